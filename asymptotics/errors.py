@@ -1,0 +1,49 @@
+"""What ropewave says when it cannot do what was asked.
+
+Every error names what was given, what is allowed and what to do about it.
+"""
+
+from __future__ import annotations
+
+
+class RopewaveError(Exception):
+    """Base of every error that ropewave raises on purpose."""
+
+
+class InputError(RopewaveError, ValueError):
+    """An argument outside what the function accepts."""
+
+
+class ResonanceError(InputError):
+    """A frequency at, or numerically at, a resonance Ω = pπ/q.
+
+    Attributes
+    ----------
+    p, q : int
+        The resonance, in lowest terms.
+    """
+
+    def __init__(self, message: str, p: int, q: int) -> None:
+        super().__init__(message)
+        self.p = p
+        self.q = q
+
+
+class OrderingError(InputError):
+    """The ε-series has lost its ordering: later terms are not smaller than the first."""
+
+
+class StorageError(RopewaveError):
+    """A saved derivation that cannot be read, trusted or written."""
+
+
+class DamagedFileError(StorageError):
+    """A saved derivation whose content does not match its own checksum."""
+
+
+class ForeignFileError(StorageError):
+    """A saved file that belongs to another problem, another format or another program."""
+
+
+class NameClashError(RopewaveError, ImportError):
+    """Another distribution provides a package named ``asymptotics``."""

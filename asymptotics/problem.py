@@ -1,0 +1,229 @@
+r"""A moving-contact problem as data.
+
+The lifted part obeys a linear equation; at the contact point ξ_c(τ) the shape and its first m − 1
+slopes vanish, W = W_ξ = … = ∂^{m−1}W = 0. The expansion needs to know of the problem only
+
+* the static derivatives a_d = ∂^d W₀ at the static contact point, a₀ = … = a_{m−1} = 0 ≠ a_m;
+* for each harmonic e^{ijθ}, how derivatives at the static contact point follow from the first
+  m − 1 of them: the *impedances*; and how the drive enters;
+* the equation itself, as the reduction of ∂^r to lower derivatives.
+
+Two more functions state the equation and the driven end a second time, in their own words. The
+engine never calls them: they are what each order is substituted back into.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic
+
+from asymptotics.cotangent import CotangentRing
+from asymptotics.errors import InputError, ResonanceError
+from asymptotics.rings import E, FloatRing, Ring
+
+
+@dataclass(frozen=True)
+class Mode(Generic[E]):
+    """One harmonic e^{ijθ} of the lifted part, seen from the static contact point.
+
+    Attributes
+    ----------
+    reduction
+        (χ₀, …, χ_{r−1}) with ∂^r = Σ χ_i ∂^i on solutions of harmonic j.
+    impedance
+        One row per contact datum w, w′, …, w^{(m−2)}: the first r derivatives of the solution that
+        has unit datum and satisfies the homogeneous driven end.
+    source
+        The first r derivatives of the solution with zero contact data and unit drive.
+    """
+
+    reduction: tuple[E, ...]
+    impedance: tuple[tuple[E, ...], ...]
+    source: tuple[E, ...]
+
+
+@dataclass(frozen=True)
+class Problem(Generic[E]):
+    r"""Everything the order loop and the proof need to know.
+
+    Attributes
+    ----------
+    name
+        Identifies the problem in files and messages.
+    ring
+        Where the coefficients live.
+    contact_order
+        m: 2 for the string, 3 for the beam.
+    static
+        d ↦ a_d.
+    static_reduction
+        ∂^R on the static shape in terms of lower derivatives, as in :class:`Mode`.
+    mode
+        j ↦ :class:`Mode`.
+    drive
+        Amplitude of each e^{ijθ}, j > 0, in the driven end's motion, in units of the small
+        parameter (an even drive also has the reflected harmonic).
+    inverse_leading
+        1/a_m.
+    equation_residual
+        (j, [w, w′, …]) ↦ what the PDE leaves of one harmonic, zero on a solution.
+    end_residual
+        (j, [w, w′, …, first r]) ↦ what the homogeneous driven end leaves of one harmonic, so
+        normalised that a unit drive leaves ``end_unit(j)``.
+    """
+
+    name: str
+    ring: Ring[E]
+    contact_order: int
+    static: Callable[[int], E]
+    static_reduction: tuple[E, ...]
+    mode: Callable[[int], Mode[E]]
+    drive: Mapping[int, E]
+    inverse_leading: E
+    equation_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
+    end_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
+    end_unit: Callable[[int], E] = field(repr=False)
+
+
+def string(ring: Ring[E], omega: E, cot: Callable[[int], E], name: str = "string") -> Problem[E]:
+    r"""The rope without bending (β = 0), driven by ε cos θ with θ = Ωτ.
+
+    .. math:: W_{ττ} = W_{ξξ} − 2, \quad W(0, τ) = 1 + ε \cos Ωτ, \quad W = W_ξ = 0
+              \text{ at } ξ_c(τ)
+
+    (the paper's eqs. rope, forcing). The small parameter is ε̂ = ε/sin Ω, which keeps every
+    coefficient in ℚ[Ω, cot Ω, cot 2Ω, …]. With v = w(1) a harmonic is
+    v (cos jΩs + cot jΩ sin jΩs), s = ξ − 1; the mean is vξ; the drive adds −sin Ωs.
+
+    Parameters
+    ----------
+    ring, omega, cot
+        Any commutative ring over the rationals, Ω in it, and j ↦ cot jΩ in it.
+    """
+
+    def times(j: int) -> E:
+        return ring.sum([ring.rational(j) * omega])
+
+    def mode(j: int) -> Mode[E]:
+        if j == 0:
+            return Mode(
+                (ring.zero, ring.zero), ((ring.one, ring.one),), (ring.zero, ring.rational(-1))
+            )
+        rate = times(j)
+        stiffness = ring.sum([ring.rational(-1) * rate * rate])
+        # Unit amplitude of W(0) per unit of ε̂ is sin Ω; only the drive's own harmonic is used.
+        return Mode(
+            (stiffness, ring.zero),
+            ((ring.one, ring.sum([rate * cot(j)])),),
+            (ring.zero, ring.rational(-1) * rate),
+        )
+
+    def equation_residual(j: int, w: Sequence[E]) -> E:
+        rate = times(j)
+        return ring.sum([w[2], rate * rate * w[0]])
+
+    def end_residual(j: int, w: Sequence[E]) -> E:
+        # W(0) of harmonic j is w cos jΩ − w′ sin(jΩ)/(jΩ); over sin^j Ω the two circular functions
+        # are the real and imaginary part of (c + i)^j, so that cot jΩ itself is not used.
+        if j == 0:
+            return ring.sum([w[0], ring.rational(-1) * w[1]])
+        c, cosine, sine = cot(1), ring.one, ring.zero
+        for _ in range(j):
+            cosine, sine = (
+                ring.sum([c * cosine, ring.rational(-1) * sine]),
+                ring.sum([cosine, c * sine]),
+            )
+        return ring.sum([times(j) * cosine * w[0], ring.rational(-1) * sine * w[1]])
+
+    return Problem(
+        name=name,
+        ring=ring,
+        contact_order=2,
+        static=lambda d: ring.rational(2) if d == 2 else ring.zero,
+        static_reduction=(ring.zero, ring.zero, ring.zero),
+        mode=mode,
+        drive={1: ring.rational(1, 2)},
+        inverse_leading=ring.rational(1, 2),
+        equation_residual=equation_residual,
+        end_residual=end_residual,
+        end_unit=lambda j: omega,
+    )
+
+
+def exact_string() -> Problem[Any]:
+    """The string over the exact ring: closed forms in Ω."""
+    ring = CotangentRing()
+    return string(ring, ring.omega, ring.cot, name="string")
+
+
+def float_string(omega: float, order: int) -> Problem[Any]:
+    """The string in double precision at one Ω; refuses the resonances of ``order``.
+
+    Raises
+    ------
+    InputError
+        Ω is not a positive finite number.
+    ResonanceError
+        Ω is at, or numerically at, pπ/q with q ≤ order; the error names p/q.
+    """
+    omega = check_frequency(omega, order)
+    return string(FloatRing(), omega, lambda j: accurate_cot(j, omega), name=f"string at {omega!r}")
+
+
+def accurate_cot(j: int, omega: float) -> float:
+    """cot(jΩ) for the double Ω as it stands: the rounding of the product jΩ is put back.
+
+    Near a pole that rounding, not the tangent, costs the digits.
+
+    >>> from mpmath import mp, cot, mpf
+    >>> x = 7.330382858376183        # 7 π/3 to 16 digits, next to a pole of cot 3Ω
+    >>> with mp.workdps(40):
+    ...     exact = cot(3 * mpf(x))
+    >>> abs(accurate_cot(3, x) / float(exact) - 1) < 1e-15
+    True
+    """
+    product = j * omega
+    # Veltkamp splitting: both halves times the small integer j are exact.
+    scaled = 134217729.0 * omega
+    high = scaled - (scaled - omega)
+    lost = (j * high - product) + j * (omega - high)
+    tangent = math.tan(product)
+    return (1.0 - lost * tangent) / (tangent + lost)
+
+
+def check_frequency(omega: float, order: int) -> float:
+    """Ω as a float when it is positive, finite and clear of the resonances q ≤ order.
+
+    'Numerically at' means |qΩ − pπ| ≤ √u max(1, qΩ), u = 2⁻⁵²: closer than that, half the digits of
+    cot qΩ are rounding, and the expansion holds powers of it.
+    """
+    try:
+        value = float(omega)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"Omega = {omega!r} is not a number; give the dimensionless frequency ωx₀/c, e.g. 2.2"
+        ) from None
+    if not math.isfinite(value) or value <= 0:
+        raise InputError(
+            f"Omega = {value!r}; the dimensionless frequency ωx₀/c must be positive and finite"
+        )
+    if value > 1e6:
+        raise InputError(
+            f"Omega = {value!r}; above 1e6 double precision cannot tell a resonance from its "
+            "neighbours: give a smaller frequency"
+        )
+    for q in range(1, order + 1):
+        nearest = round(q * value / math.pi)
+        if nearest and abs(math.sin(q * value)) <= 2.0**-26 * max(1.0, q * value):
+            p, reduced = nearest // math.gcd(nearest, q), q // math.gcd(nearest, q)
+            raise ResonanceError(
+                f"Omega = {value!r} is numerically at the resonance p/q = {p}/{reduced} "
+                f"(Omega = {p}π/{reduced} = {p * math.pi / reduced:.15g}), where the expansion of "
+                f"order {order} ≥ q has a pole; move Omega away, or ask for an order below "
+                f"{reduced}",
+                p,
+                reduced,
+            )
+    return value

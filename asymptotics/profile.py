@@ -1,0 +1,142 @@
+r"""The shape seen from the moving contact point: F_j(s, ε) of the paper's eq. (expandw).
+
+A harmonic k of the shape solves a linear equation χ_k(∂)w = 0 of degree r, so the shift from the
+static to the moving contact point reduces to finitely many series,
+
+.. math:: e^{δ∂} ≡ \sum_{i<r} E_{k,i}(δ)\, ∂^i \mod χ_k(∂), \qquad
+          \frac{dE_{k,i}}{dε} = \frac{dδ}{dε}\,(E_{k,i-1} + χ_{k,i} E_{k,r-1}).
+
+(String: E₀ = cos kΩδ, E₁ = sin(kΩδ)/kΩ.) The differential equation in ε gives them order by order.
+Nothing here uses the Taylor sums in d of :mod:`asymptotics.expansion`, so that this module also
+serves to prove them (:mod:`asymptotics.proof`). With φ_{k,l} the solution of χ_k whose only
+non-zero derivative below r at 0 is ∂^l φ = 1,
+
+.. math:: W(ξ_c + s, τ) = \sum_l G_l(θ) φ_l(s) + \sum_k \sum_l G_{k,l}(θ) φ_{k,l}(s),
+
+the first sum being the static shape's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+from asymptotics.expansion import Expansion, Progress, derivative_towers
+from asymptotics.harmonics import Harmonics, Terms, collect, multiply_into
+from asymptotics.rings import E, Ring
+
+Series = list[Harmonics[E]]
+"""A power series in the small parameter, entry n a Fourier series in θ."""
+
+
+@dataclass(frozen=True)
+class MovingFrame(Generic[E]):
+    """The coefficients G of the module's docstring.
+
+    Attributes
+    ----------
+    static
+        ``static[l][n]``: Fourier coefficients of G_l at order n.
+    modes
+        ``modes[k][l][n]``: the same of G_{k,l}.
+    """
+
+    expansion: Expansion[E]
+    static: tuple[Series[E], ...]
+    modes: dict[int, tuple[Series[E], ...]]
+
+    def slope_at_contact(self, l: int, n: int) -> Harmonics[E]:  # noqa: E741
+        """∂^l W at s = 0, order n; l below every r."""
+        terms: Terms[E] = {}
+        for series in (self.static, *self.modes.values()):
+            for j, c in series[l][n].items():
+                terms.setdefault(j, []).append(c)
+        return collect(terms, self.expansion.problem.ring)
+
+
+def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> MovingFrame[E]:
+    """Carry an expansion into the frame of the contact point.
+
+    Examples
+    --------
+    >>> from asymptotics import exact_string, expand
+    >>> frame = moving_frame(expand(exact_string(), order=2))
+    >>> frame.modes[1][0][2]         # cos Ωs at order ε̂²: −Ω²/4 (1 + cos 2θ)
+    {2: (-Omega^2)/(8), 0: (-Omega^2)/(4)}
+    """
+    problem, last = expansion.problem, expansion.order
+    ring = problem.ring
+    derivative = derivative_towers(expansion)
+    first = {}
+    for n in range(last, 0, -1):
+        for k in expansion.shape(n):
+            first[k] = n
+    shifts = {
+        k: _Shift(ring, problem.mode(k).reduction, last - start) for k, start in first.items()
+    }
+    static_shift = _Shift(ring, problem.static_reduction, last)
+    R = len(problem.static_reduction)
+    static: tuple[Series[E], ...] = tuple([] for _ in range(R))
+    modes: dict[int, tuple[Series[E], ...]] = {
+        k: tuple([] for _ in range(shift.degree)) for k, shift in shifts.items()
+    }
+    for n in range(last + 1):
+        deltas = [expansion.contact(i) for i in range(1, n + 1)]
+        static_shift.advance(deltas)
+        for l in range(R):  # noqa: E741
+            terms: Terms[E] = {}
+            for i in range(R):
+                value = problem.static(l + i)
+                if not ring.is_zero(value):
+                    multiply_into(terms, static_shift.series[i][n], {0: value}, ring)
+            static[l].append(collect(terms, ring))
+        for k, shift in shifts.items():
+            shift.advance(deltas)
+            for l, series in enumerate(modes[k]):  # noqa: E741
+                terms = {}
+                for source in range(first[k], n + 1):
+                    if k not in expansion.shape(source):
+                        continue
+                    for i in range(shift.degree):
+                        value = derivative(source, k, l + i)
+                        if not ring.is_zero(value):
+                            factor = shift.series[i][n - source]
+                            multiply_into(terms, factor, {k: value}, ring)
+                series.append(collect(terms, ring))
+        if progress is not None and n:
+            progress(n)
+    return MovingFrame(expansion, static, modes)
+
+
+class _Shift(Generic[E]):
+    """The series E_{k,i} of e^{δ∂} modulo one harmonic's equation, an order at a time."""
+
+    def __init__(self, ring: Ring[E], reduction: tuple[E, ...], last: int) -> None:
+        self.ring, self.reduction, self.last = ring, reduction, last
+        self.degree = len(reduction)
+        self.series: list[Series[E]] = [[] for _ in range(self.degree)]
+
+    def advance(self, deltas: Sequence[Harmonics[E]]) -> None:
+        """Append order n = len(deltas), when it is still needed."""
+        n, ring = len(deltas), self.ring
+        if n > self.last:
+            return
+        if n == 0:
+            for i, series in enumerate(self.series):
+                series.append({0: ring.one} if i == 0 else {})
+            return
+        new = []
+        for i in range(self.degree):
+            terms: Terms[E] = {}
+            for k in range(1, n + 1):
+                weight = ring.rational(k, n)
+                rate = {j: weight * c for j, c in deltas[k - 1].items()}
+                if i > 0:
+                    multiply_into(terms, rate, self.series[i - 1][n - k], ring)
+                if not ring.is_zero(self.reduction[i]):
+                    rate = {j: c * self.reduction[i] for j, c in rate.items()}
+                    multiply_into(terms, rate, self.series[-1][n - k], ring)
+            new.append(collect(terms, ring))
+        for series, values in zip(self.series, new, strict=True):
+            series.append(values)

@@ -1,0 +1,1 @@
+"""The programs a reader of the paper would run."""

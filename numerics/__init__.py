@@ -1,0 +1,1 @@
+"""Independent numerics: never imports the algebra it is there to check."""
