@@ -12,6 +12,9 @@ from asymptotics.problem import exact_string, float_string, string
 from asymptotics.profile import MovingFrame, moving_frame
 from asymptotics.proof import prove
 
+DISTRIBUTION = "ropewave"
+"""Tells this package from another distribution's package of the same name."""
+
 __all__ = [
     "ClosedForm",
     "ClosedForms",

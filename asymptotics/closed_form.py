@@ -14,20 +14,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from asymptotics.cotangent import CotangentElement, CotangentRing
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion
-from asymptotics.normal_form import circular_form, cotangent_terms, resonance_cosines
+from asymptotics.normal_form import (
+    circular_form,
+    common_factor,
+    cotangent_terms,
+    resonance_cosines,
+)
 from asymptotics.profile import MovingFrame, moving_frame
 
 if TYPE_CHECKING:
     import sympy
 
 Style = Literal["cotangent", "circular"]
+Kind = Literal["versine", "defect"]
 STYLES: tuple[str, ...] = get_args(Style)
+KINDS: tuple[str, ...] = get_args(Kind)
 
 
 @dataclass(frozen=True)
@@ -35,7 +42,7 @@ class ProfileTerm:
     """amplitude · f(kΩs), with f(x) = 1 − cos x (``versine``) or x − sin x (``defect``)."""
 
     k: int
-    kind: Literal["versine", "defect"]
+    kind: Kind
     amplitude: CotangentElement
 
 
@@ -99,16 +106,30 @@ def _rational(value: Fraction) -> sympy.Rational:
     return sympy.Rational(value.numerator, value.denominator)
 
 
-def _cotangent_expression(element: CotangentElement) -> sympy.Expr:
+def _cotangent_expression(
+    element: CotangentElement, factor: tuple[Fraction, int] = (Fraction(1), 0)
+) -> sympy.Expr:
+    """Σ r Ω^a κ_q^m κ₁^i, every term divided by factor[0] Ω^factor[1]."""
     import sympy
 
     omega = symbols()["Omega"]
     return sympy.Add(
         *(
-            _rational(r) * omega**a * sympy.cot(q * omega) ** m * sympy.cot(omega) ** i
+            _rational(r / factor[0])
+            * omega ** (a - factor[1])
+            * _cotangent(q) ** m
+            * _cotangent(1) ** i
             for (a, q, m, i), r in cotangent_terms(element).items()
         )
     )
+
+
+@cache
+def _cotangent(q: int) -> sympy.Expr:
+    """cot qΩ, made once: SymPy examines every cotangent anew for special angles."""
+    import sympy
+
+    return sympy.cot(q * symbols()["Omega"])
 
 
 def _circular(element: CotangentElement) -> sympy.Expr:
@@ -217,21 +238,28 @@ class ClosedForms:
 
     # -- shape -----------------------------------------------------------------------------------
 
+    def shape_parts(self, n: int, j: int) -> tuple[tuple[CotangentElement, str], ...]:
+        """The coefficient of (ε/sin Ω)^n cos jΩτ in w/Z₀ as Σ amplitude · function of ξ."""
+        value, slope = self.expansion.shape(n)[j]
+        if j == 0:
+            return ((value, "xi"),)
+        x = f"{j}*Omega*(xi - 1)" if j > 1 else "Omega*(xi - 1)"
+        sine = ((slope + slope) * CotangentRing().rational(1, j)).divided_by_omega()
+        return ((value + value, f"cos({x})"), (sine, f"sin({x})"))
+
     def shape_harmonic(self, n: int, j: int) -> sympy.Expr:
         """The coefficient of ε^n cos jΩτ in w/Z₀, as a function of ξ."""
         import sympy
 
-        names = symbols()
-        omega, x = names["Omega"], names["xi"] - 1
-        value, slope = self.expansion.shape(n)[j]
-        if j == 0:
-            return to_sympy(value, self.style) * names["xi"] / sympy.sin(omega) ** n
-        value, slope = value + value, (slope + slope).divided_by_omega()
         return (
-            to_sympy(value, self.style) * sympy.cos(j * omega * x)
-            + to_sympy(slope * CotangentRing().rational(1, j), self.style)
-            * sympy.sin(j * omega * x)
-        ) / sympy.sin(omega) ** n
+            sympy.Add(
+                *(
+                    to_sympy(amplitude, self.style) * sympy.sympify(function)
+                    for amplitude, function in self.shape_parts(n, j)
+                )
+            )
+            / sympy.sin(symbols()["Omega"]) ** n
+        )
 
     def shape(self, n: int) -> ClosedForm:
         """w_n(ξ, τ)/Z₀; n = 0 is the static shape (ξ − 1)², eq. (leading)."""
@@ -274,25 +302,34 @@ class ClosedForms:
         """The coefficient of (ε/sin Ω)^n cos jΩτ in w/Z₀, as a function of s."""
         import sympy
 
-        names = symbols()
-        x = names["Omega"] * names["s"]
+        omega, s = (symbols()[name] for name in ("Omega", "s"))
+        static = s**2 if j == 0 and n == 0 else sympy.Integer(0)
         terms = self.profile_terms(j, n)
-        bracket = [
-            to_sympy(term.amplitude, self.style)
-            * (
-                1 - sympy.cos(term.k * x)
-                if term.kind == "versine"
-                else term.k * x - sympy.sin(term.k * x)
-            )
+        if not terms:
+            return static
+        functions = [
+            1 - sympy.cos(term.k * omega * s)
+            if term.kind == "versine"
+            else term.k * omega * s - sympy.sin(term.k * omega * s)
             for term in terms
         ]
-        total = sympy.Add(*bracket)
-        if j == 0 and n == 0:
-            total += names["s"] ** 2
-        return sympy.factor_terms(total)
+        if self.style == "circular":
+            amplitudes = [_circular(term.amplitude) for term in terms]
+            return static + sympy.Add(*map(sympy.Mul, amplitudes, functions))
+        ratio, power = common_factor(cotangent_terms(term.amplitude) for term in terms)
+        bracket = sympy.Add(
+            *(
+                _cotangent_expression(term.amplitude, (ratio, power)) * function
+                for term, function in zip(terms, functions, strict=True)
+            )
+        )
+        return static + _rational(ratio) * omega**power * bracket
 
     def profile(self, j: int) -> ClosedForm:
-        """F_j(s, ε) through the powers of ε that order N allows: eq. (expandw)."""
+        """F_j(s, ε) through the powers of ε that order N allows: eq. (expandw).
+
+        F_j is even in ε, so with the terms ε⁰ … ε^{2i} it is known through ε^{2i+1}.
+        """
         import sympy
 
         if not 0 <= j <= self.order:
@@ -301,7 +338,7 @@ class ClosedForms:
         small = names["epsilon"] / sympy.sin(names["Omega"])
         parts = [small ** (n - j) * self.profile_part(j, n) for n in range(j, self.order + 1, 2)]
         return ClosedForm(
-            f"F_{j}", sympy.Add(*parts), "expandw", self.order - j, _poles(self.order)
+            f"F_{j}", sympy.Add(*parts), "expandw", 2 * len(parts) - 1, _poles(self.order)
         )
 
 
@@ -313,4 +350,4 @@ def _phase(j: int) -> sympy.Expr:
 
 
 def _poles(order: int) -> str:
-    return f"at the resonances Ω = pπ/q, 1 ≤ q ≤ {order}" if order > 1 else "at Ω = pπ"
+    return f"at the resonances Ω = pπ/q, p ≥ 1, 1 ≤ q ≤ {order}" if order > 1 else "at Ω = pπ, p ≥ 1"

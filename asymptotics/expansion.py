@@ -13,8 +13,8 @@ The sums are nested as in Horner's rule. With T_d = ∂^d W(ξ₀) and
 .. math:: H^{(e)}_d = T_{d+e} + \frac{δ}{d+1} H^{(e)}_{d+1}, \qquad ∂_ξ^e W(ξ_c) = H^{(e)}_0,
 
 order n needs only the *tails* H_d with order + d = n, each one product of two series. That is
-N⁵/240 ring products to order N instead of the N⁵/60 of explicit powers of δ, and an order, once computed,
-is never touched again: extending an expansion appends to it.
+N⁵/240 ring products to order N instead of the N⁵/60 of explicit powers of δ, and an order,
+once computed, is never touched again: extending an expansion appends to it.
 """
 
 from __future__ import annotations
@@ -159,29 +159,35 @@ def expand(
     >>> solution.contact(2)          # ξ₂ = −Ω²/16 − Ω³/8 cot 2Ω cos 2θ
     {0: (-Omega^2)/(16), 2: (-Omega^3*c^2 + Omega^3)/(32*(c))}
     """
+    expansion = Expansion(problem, start.orders[: check_order(order)]) if start else None
+    for expansion in expansions(problem, order, start):
+        if progress is not None:
+            progress(expansion.order)
+    assert expansion is not None
+    return expansion
+
+
+def expansions(
+    problem: Problem[E], order: int, start: Expansion[E] | None = None
+) -> Iterator[Expansion[E]]:
+    """Yield the expansion after each new order up to ``order``, for callers that save as they go.
+
+    Raises what :func:`expand` raises.
+    """
     order = check_order(order)
     if start is not None and start.problem.name != problem.name:
         raise InputError(
             f"the expansion to continue belongs to {start.problem.name!r}, not to {problem.name!r}"
         )
-    known = start.orders[:order] if start is not None else ()
-    orders = list(known)
-    for n, new in enumerate(_continue(problem, list(known), order), start=len(known) + 1):
-        orders.append(new)
-        if progress is not None:
-            progress(n)
-    return Expansion(problem, tuple(orders))
-
-
-def _continue(problem: Problem[E], orders: list[Order[E]], last: int) -> Iterator[Order[E]]:
+    orders = list(start.orders) if start is not None else []
     towers = _Towers(problem)
-    for n, order in enumerate(orders, start=1):
-        towers.add(n, order.shape)
-    for n in range(len(orders) + 1, last + 1):
+    for n, known in enumerate(orders, start=1):
+        towers.add(n, known.shape)
+    while len(orders) < order:
         new = _next_order(problem, orders, towers)
-        towers.add(n, new.shape)
         orders.append(new)
-        yield new
+        towers.add(len(orders), new.shape)
+        yield Expansion(problem, tuple(orders))
 
 
 def _next_order(problem: Problem[E], orders: list[Order[E]], towers: _Towers[E]) -> Order[E]:

@@ -17,10 +17,11 @@ the resonances of each q.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache
-from math import gcd
+from math import gcd, lcm
 
 from flint import fmpq_poly, fmpz_poly
 
@@ -122,6 +123,20 @@ def _row_terms(numerator: fmpq_poly, poles: Poles) -> dict[tuple[int, int, int],
         if numerator[i]:
             terms[1, i, 0] = Fraction(int(numerator[i].p), int(numerator[i].q))
     return terms
+
+
+def common_factor(forms: Iterable[CotangentTerms]) -> tuple[Fraction, int]:
+    """(r, a) so that every term of every form is r Ω^a times integers and powers of Ω.
+
+    >>> ring = CotangentRing()
+    >>> half = ring.rational(3, 2) * ring.omega * ring.omega
+    >>> common_factor([cotangent_terms(half), cotangent_terms(half * ring.cot(2))])
+    (Fraction(3, 2), 2)
+    """
+    keys = [(a, r) for form in forms for (a, *_), r in form.items()]
+    above = gcd(*(r.numerator for _, r in keys))
+    below = lcm(*(r.denominator for _, r in keys))
+    return Fraction(above, below), min(a for a, _ in keys)
 
 
 def from_cotangent_terms(terms: CotangentTerms) -> CotangentElement:

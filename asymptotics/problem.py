@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, Generic
 
 from asymptotics.cotangent import CotangentRing
@@ -72,6 +73,8 @@ class Problem(Generic[E]):
     end_residual
         (j, [w, w′, …, first r]) ↦ what the homogeneous driven end leaves of one harmonic, so
         normalised that a unit drive leaves ``end_unit(j)``.
+    load, static_end_residual
+        What the static shape leaves of the PDE (its weight), and of the driven end (zero).
     """
 
     name: str
@@ -85,6 +88,8 @@ class Problem(Generic[E]):
     equation_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
     end_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
     end_unit: Callable[[int], E] = field(repr=False)
+    load: E = field(repr=False)
+    static_end_residual: Callable[[], E] = field(repr=False)
 
 
 def string(ring: Ring[E], omega: E, cot: Callable[[int], E], name: str = "string") -> Problem[E]:
@@ -103,9 +108,11 @@ def string(ring: Ring[E], omega: E, cot: Callable[[int], E], name: str = "string
         Any commutative ring over the rationals, Ω in it, and j ↦ cot jΩ in it.
     """
 
+    @cache
     def times(j: int) -> E:
         return ring.sum([ring.rational(j) * omega])
 
+    @cache
     def mode(j: int) -> Mode[E]:
         if j == 0:
             return Mode(
@@ -149,6 +156,9 @@ def string(ring: Ring[E], omega: E, cot: Callable[[int], E], name: str = "string
         equation_residual=equation_residual,
         end_residual=end_residual,
         end_unit=lambda j: omega,
+        load=ring.rational(2),
+        # (ξ − 1)² at ξ = 0 is a₂/2, and the driven end is held at 1.
+        static_end_residual=lambda: ring.sum([ring.rational(2, 2), ring.rational(-1)]),
     )
 
 

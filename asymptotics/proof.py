@@ -69,7 +69,7 @@ def prove(
     frame: MovingFrame[E] | None = None,
     progress: Progress | None = None,
 ) -> tuple[OrderProof, ...]:
-    """Substitute an exact expansion back, order by order.
+    """Substitute an exact expansion back, order by order; order 0 is the static shape.
 
     Raises
     ------
@@ -80,14 +80,38 @@ def prove(
     --------
     >>> from asymptotics import exact_string, expand
     >>> print(*prove(expand(exact_string(), order=2)), sep="\\n")
+    order 0: proved (PDE residual 0, driven end 0, contact 0; harmonics 0 non-zero)
     order 1: proved (PDE residual 0, driven end 0, contact 0; harmonics 1 non-zero)
     order 2: proved (PDE residual 0, driven end 0, contact 0; harmonics 0, 2 non-zero)
     """
     frame = moving_frame(expansion, progress) if frame is None else frame
-    proofs = tuple(_prove_order(expansion, frame, n) for n in range(1, expansion.order + 1))
+    proofs = (
+        _prove_static(expansion, frame),
+        *(_prove_order(expansion, frame, n) for n in range(1, expansion.order + 1)),
+    )
     if not all(proof.holds for proof in proofs):
         raise RefutedError(proofs)
     return proofs
+
+
+def _prove_static(expansion: Expansion[E], frame: MovingFrame[E]) -> OrderProof:
+    problem = expansion.problem
+    ring, m = problem.ring, problem.contact_order
+    r = len(problem.mode(0).reduction)
+    residuals = []
+    for d in range(expansion.order + 1):
+        terms = [problem.equation_residual(0, [problem.static(d + i) for i in range(r + 1)])]
+        if d == 0:
+            terms.append(ring.rational(-1) * problem.load)
+        residuals.append(ring.sum(terms))
+    return OrderProof(
+        n=0,
+        equation=all(ring.is_zero(residual) for residual in residuals),
+        driven_end=ring.is_zero(problem.static_end_residual()),
+        contact=not any(frame.slope_at_contact(e, 0) for e in range(m)),
+        missing=() if not ring.is_zero(problem.static(m)) else (0,),
+        harmonics=() if ring.is_zero(problem.static(m)) else (0,),
+    )
 
 
 def _prove_order(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> OrderProof:

@@ -1,0 +1,234 @@
+"""The ``ropewave`` command.
+
+Imports of our own packages happen inside the commands: first :mod:`derivations.clash` looks whether
+they are ours.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from derivations.clash import find_clash
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Asymptotics with a moving contact: exact, to any order, proved.",
+)
+
+# The golden rotation: of all Ω < π the one farthest from every resonance pπ/q.
+GOLDEN = 1.941611038725466
+
+Order = Annotated[int, typer.Option("--order", "-N", help="Highest power of ε, N ≥ 1.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Plot = Annotated[
+    Path | None,
+    typer.Option(help="Draw the profile over one period and ξ_c(t): .png, .pdf or .svg."),
+]
+
+
+def cache_folder() -> Path:
+    """Where derivations are kept: ROPEWAVE_CACHE, or the user's cache folder."""
+    named = os.environ.get("ROPEWAVE_CACHE")
+    if named:
+        return Path(named)
+    import platformdirs
+
+    return platformdirs.user_cache_path("ropewave")
+
+
+@app.command()
+def derive(
+    order: Order = 4,
+    format: Annotated[
+        str | None, typer.Option(help="text, latex, numpy or json; without it all, or text.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the files.")] = None,
+    style: Annotated[str, typer.Option(help="cotangent, or circular: sines, cosines.")] = (
+        "cotangent"
+    ),
+    column: Annotated[str, typer.Option(help="LaTeX lines for a two- or one-column page.")] = (
+        "two"
+    ),
+    plot: Plot = None,
+    omega: Annotated[float, typer.Option(help="Ω of the plot.")] = GOLDEN,
+    epsilon: Annotated[float, typer.Option(help="ε of the plot.")] = 0.1,
+    cache: Annotated[bool, typer.Option(help="Keep and reuse derivations.")] = True,
+    as_json: Json = False,
+) -> None:
+    """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
+    from derivations.formats import FORMATS, render, write_files
+    from derivations.formats import as_json as json_object
+
+    formats = _formats(format, out, FORMATS)
+    forms, proofs = _derivation(order, style, column, plot, cache, quiet=as_json)
+    written: list[Path] = []
+    if out is not None:
+        for name in formats:
+            written += write_files(render(forms, proofs, name, column), out)
+    if plot is not None:
+        from derivations.plots import plot_period
+
+        plot_period(omega, epsilon, order, plot)
+        written.append(plot)
+    if as_json:
+        result = json_object(forms, proofs)
+        result["files"] = [str(path) for path in written]
+        print(json.dumps(result))
+        return
+    shown = "text" if out is not None else formats[0]
+    pages = render(forms, proofs, shown, column)
+    for name, content in pages.items():
+        if len(pages) > 1:
+            print(f"%%% {name}")
+        print(content, end="")
+    for path in written:
+        print(f"wrote {path}", file=sys.stderr)
+
+
+def _formats(format: str | None, out: Path | None, known: tuple[str, ...]) -> tuple[str, ...]:
+    from asymptotics.errors import InputError
+
+    if format is None:
+        return known if out is not None else ("text",)
+    if format not in known:
+        raise InputError(f"--format {format!r}: choose one of {', '.join(known)}")
+    return (format,)
+
+
+def _derivation(
+    order: int, style: str, column: str, plot: Path | None, cache: bool, quiet: bool
+) -> tuple[Any, Any]:
+    """Closed forms and their proofs; arguments are checked before any long work."""
+    from asymptotics.closed_form import ClosedForms, check_style
+    from asymptotics.errors import InputError
+    from asymptotics.expansion import check_order, expand
+    from asymptotics.problem import exact_string
+    from asymptotics.profile import moving_frame
+    from asymptotics.proof import prove
+    from asymptotics.storage import derive as derive_saved
+    from derivations.progress import progress
+
+    check_order(order)
+    check_style(style)
+    if column not in ("one", "two"):
+        raise InputError(f"--column {column!r}: choose one or two")
+    if plot is not None:
+        from derivations.plots import check_plot_path
+
+        check_plot_path(plot)
+    problem = exact_string()
+    with progress("deriving", order, quiet) as report:
+        if cache:
+            expansion = derive_saved(problem, order, cache_folder() / problem.name, report)
+        else:
+            expansion = expand(problem, order, progress=report)
+    with progress("proving", order, quiet) as report:
+        frame = moving_frame(expansion, report)
+        proofs = prove(expansion, frame)
+    return ClosedForms(expansion, frame, style), proofs
+
+
+@app.command()
+def evaluate(
+    omega: Annotated[float, typer.Option(help="Ω = ωx₀/c.")],
+    epsilon: Annotated[float, typer.Option(help="Forcing amplitude in units of Z₀.")],
+    order: Order = 4,
+    s: Annotated[str, typer.Option(help="Positions (x − x_c)/x₀ ≤ 0, comma-separated.")] = (
+        "-1,-0.75,-0.5,-0.25,0"
+    ),
+    tau: Annotated[str, typer.Option(help="Times ct/x₀, comma-separated.")] = "0",
+    plot: Plot = None,
+    as_json: Json = False,
+) -> None:
+    """Evaluate ξ_c and w/Z₀: the series in ε truncated at order N."""
+    from asymptotics.evaluate import evaluate as compute
+
+    result = compute(omega, epsilon, order, _numbers("--s", s), _numbers("--tau", tau))
+    if plot is not None:
+        from derivations.plots import plot_period
+
+        plot_period(omega, epsilon, order, plot)
+    if as_json:
+        fields = {
+            "command": "evaluate",
+            "omega": result.omega,
+            "epsilon": result.epsilon,
+            "order": result.order,
+            "s": result.s.tolist(),
+            "tau": result.tau.tolist(),
+            "contact": result.contact.tolist(),
+            "profile": result.profile.tolist(),
+        }
+        print(json.dumps(fields))
+        return
+    print(f"Omega = {result.omega:g}, epsilon = {result.epsilon:g}, order {result.order}")
+    heads = ["tau", "x_c/x0", *(f"w/Z0(s={value:g})" for value in result.s)]
+    print("  ".join(f"{head:>16}" for head in heads))
+    for time, contact, row in zip(result.tau, result.contact, result.profile, strict=True):
+        print("  ".join(f"{value:16.10g}" for value in (time, contact, *row)))
+    if plot is not None:
+        print(f"wrote {plot}", file=sys.stderr)
+
+
+def _numbers(option: str, text: str) -> list[float]:
+    from asymptotics.errors import InputError
+
+    parts = [part for part in text.replace(",", " ").split() if part]
+    try:
+        values = [float(part) for part in parts]
+    except ValueError:
+        raise InputError(
+            f"{option} {text!r}: give numbers separated by commas, e.g. {option} -0.5,-0.25,0"
+        ) from None
+    if not values:
+        raise InputError(f"{option} is empty: give at least one number")
+    return values
+
+
+@app.command()
+def regenerate(
+    check: Annotated[
+        bool, typer.Option("--check", help="Compare with the committed files instead of writing.")
+    ] = False,
+) -> None:
+    """Regenerate every committed artefact, or check that none differs."""
+    from derivations.catalogue import GENERATED, artefacts, differences
+    from derivations.formats import write_files
+
+    if not check:
+        for path in write_files(artefacts(), GENERATED):
+            print(path.relative_to(GENERATED.parent.parent))
+        return
+    lines = differences()
+    if lines:
+        print("\n".join(lines), file=sys.stderr)
+        print("run: python -m derivations, and look at what changed", file=sys.stderr)
+        raise typer.Exit(1)
+    print("every committed artefact is what the engine yields now")
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command; errors of ours are one line on standard error, exit code 2."""
+    clash = find_clash()
+    if clash is not None:
+        print(f"ropewave: error: {clash}", file=sys.stderr)
+        raise SystemExit(2)
+    from asymptotics.errors import RopewaveError
+
+    try:
+        app(args=arguments, prog_name="ropewave")
+    except RopewaveError as error:
+        print(f"ropewave: error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+
+
+if __name__ == "__main__":
+    main()

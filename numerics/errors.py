@@ -1,0 +1,35 @@
+"""What the numerics say when they cannot do what was asked.
+
+Every error names what was given, what is allowed and what to do about it. (The algebra has errors
+of its own: the two packages share no code.)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from numerics.invariant_circle import InvariantCircle
+
+
+class NumericsError(Exception):
+    """Base of every error that the numerics raise on purpose."""
+
+
+class InputError(NumericsError, ValueError):
+    """An argument outside what the function accepts."""
+
+
+class CircleNotFoundError(NumericsError):
+    """No invariant circle, hence no periodic wave-less state of the exact string, was found.
+
+    Attributes
+    ----------
+    partial : InvariantCircle or None
+        What the iteration had when it gave up; its ``status`` says why, its ``residuals`` how it
+        went. None where it was not started, because no circle can exist.
+    """
+
+    def __init__(self, message: str, partial: InvariantCircle | None) -> None:
+        super().__init__(message)
+        self.partial = partial

@@ -1,0 +1,349 @@
+"""Emitted LaTeX says what the closed forms say, and fits the column."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sympy
+from mpmath import mp, mpf
+
+from asymptotics import ClosedForms, exact_string, expand
+from asymptotics.closed_form import symbols
+from asymptotics.errors import InputError
+from asymptotics.latex import (
+    COLUMNS,
+    contact_equation,
+    formula_sets,
+    profile_equation,
+    shape_equation,
+)
+from asymptotics.normal_form import resonance_cosines
+from asymptotics.widths import width
+
+STYLES = ("cotangent", "circular")
+POINT = {"Omega": "0.8317", "epsilon": "0.0371", "s": "-0.6173", "xi": "0.4139", "tau": "1.2791"}
+DIGITS = 40
+
+
+@cache
+def closed_forms(order: int, style: str) -> ClosedForms:
+    return ClosedForms(expand(exact_string(), order), style=style)
+
+
+@cache
+def files(order: int, style: str, column: str) -> dict[str, str]:
+    return formula_sets(closed_forms(order, style), column)
+
+
+# -- reading the emitted LaTeX back ---------------------------------------------------------------
+
+
+def equations(text: str) -> dict[str, tuple[str, str]]:
+    """Label -> (left, right) of every numbered formula in the align environments of a file."""
+    found = {}
+    for block in re.findall(r"\\begin\{align\}(.*?)\\end\{align\}", text, re.S):
+        start = 0
+        for label in re.finditer(r"\\label\{eq:rope:([^}]*)\}", block):
+            flat = block[start : label.start()]
+            start = label.end()
+            flat = re.sub(r"\\\\(\[1ex\])?|\\nonumber|\\quad|\\qquad|&|\n", " ", flat)
+            left, right = re.split(r"=\{\}|\\sim\{\}", flat, maxsplit=1)
+            found[label.group(1)] = (left.strip(), right.replace("{-}", "-"))
+    return found
+
+
+class Reader:
+    """Recursive descent over the emitted subset; ``f`` of a sine is the factors that follow it."""
+
+    def __init__(self, text: str, values: dict[str, Any]) -> None:
+        text = re.sub(r"\\[bB]ig[lr]", "", text)
+        self.tokens = re.findall(r"\\[A-Za-z]+|\d+|\S", text)
+        self.i, self.values = 0, values
+
+    def value(self) -> Any:
+        total = self.sum()
+        assert self.i == len(self.tokens), self.tokens[self.i :]
+        return total
+
+    def peek(self) -> str:
+        return self.tokens[self.i] if self.i < len(self.tokens) else ""
+
+    def take(self, expected: str | None = None) -> str:
+        token = self.peek()
+        assert token
+        assert expected is None or token == expected, (token, expected)
+        self.i += 1
+        return token
+
+    def sum(self) -> Any:
+        total, sign = mpf(0), 1
+        if self.peek() in ("+", "-"):
+            sign = -1 if self.take() == "-" else 1
+        while True:
+            total += sign * self.product()
+            if self.peek() not in ("+", "-"):
+                return total
+            sign = -1 if self.take() == "-" else 1
+
+    def product(self) -> Any:
+        result, count = mpf(1), 0
+        while self.peek() not in ("", "+", "-", ")", "]", "}"):
+            if self.peek() == r"\times":
+                self.take()
+            result *= self.factor()
+            count += 1
+        assert count, "an empty product: something was dropped"
+        return result
+
+    def group(self) -> str:
+        self.take("{")
+        start = self.i
+        while self.peek() != "}":
+            self.take()
+        self.take()
+        return "".join(self.tokens[start : self.i - 1])
+
+    def power(self) -> int:
+        if self.peek() != "^":
+            return 1
+        self.take()
+        return int(self.group())
+
+    def angle(self) -> Any:
+        """[k] Ω [s] or [k] θ, or a bracket: what stands under a sine."""
+        if self.peek() == "[":
+            return self.bracket("]")
+        k = int(self.take()) if self.peek().isdigit() else 1
+        result = k * self.values[self.take()]
+        return result * self.values[self.take()] if self.peek() == "s" else result
+
+    def bracket(self, closing: str) -> Any:
+        self.take()
+        result = self.sum()
+        self.take(closing)
+        return result
+
+    def factor(self) -> Any:
+        token = self.peek()
+        if token in ("(", "["):
+            inside = self.bracket(")" if token == "(" else "]")
+            return inside ** self.power()
+        token = self.take()
+        if token.isdigit():
+            return mpf(token)
+        if token == r"\frac":
+            above, below = self.bracket("}"), self.bracket("}")
+            return above / below
+        if token in (r"\sin", r"\cos"):
+            n = self.power()
+            return (mp.sin if token == r"\sin" else mp.cos)(self.angle()) ** n
+        if token == r"\hat":
+            return self.values[rf"\hat{self.take()}"] ** self.power()
+        if token == "O":
+            self.bracket(")")
+            return mpf(0)
+        if self.peek() == "_":
+            self.take()
+            token = f"{token}_{self.group()}"
+        if self.peek() == "^" and token.startswith("F"):
+            self.take()
+            return self.values[f"{token}^{self.group()}"]
+        return self.values[token] ** self.power()
+
+
+def point() -> dict[str, Any]:
+    """Values of everything the formulas mention."""
+    names = {name: mpf(text) for name, text in POINT.items()}
+    omega, xi = names["Omega"], names["xi"]
+    values = {r"\Omega": omega, "s": names["s"], r"\xi": xi, r"\theta": omega * names["tau"]}
+    values[r"\epsilon"] = names["epsilon"]
+    values[r"\hat\epsilon"] = names["epsilon"] / mp.sin(omega)
+    for j in range(1, 8):
+        values[rf"\kappa_{j}"] = mp.cot(j * omega)
+        values[rf"\sigma_{j}"] = mp.sin(j * omega * xi) / mp.sin(j * omega)
+        if j > 1:
+            values[f"T_{j}"] = sum(a * mp.cos(k * omega) for k, a in resonance_cosines(j))
+    return values
+
+
+def exact(expression: Any) -> Any:
+    names = symbols()
+    function = sympy.lambdify([names[n] for n in POINT], expression, modules="mpmath")
+    return mpf(function(*(mpf(v) for v in POINT.values())))
+
+
+def close(found: Any, wanted: Any) -> bool:
+    return abs(found - wanted) <= mpf(10) ** -DIGITS * max(abs(wanted), mpf(10) ** -6)
+
+
+@pytest.mark.parametrize("column", COLUMNS)
+@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("order", [4, 5])
+def test_every_equation_reads_back(order: int, style: str, column: str) -> None:
+    forms, texts = closed_forms(order, style), files(order, style, column)
+    with mp.workdps(DIGITS + 20):
+        values, sine = point(), mp.sin(mpf(POINT["Omega"]))
+        contact, shape = equations(texts["contact.tex"]), equations(texts["shape.tex"])
+        for n in range(1, order + 1):
+            found = Reader(contact[f"xi{n}"][1], values).value() / sine**n
+            assert close(found, exact(forms.contact(n).expression)), n
+        for n in range(order + 1):
+            found = Reader(shape[f"w{n}"][1], values).value() / sine**n
+            assert close(found, exact(forms.shape(n).expression)), n
+        profile = equations(texts["profile.tex"])
+        for j in range(order + 1):
+            for n in range(j + 2, order + 1, 2):
+                left, right = profile[f"F{j}:{n - j}"]
+                assert left == f"F_{{{j}}}^{{({n - j})}}"
+                part = Reader(right, values).value()
+                assert close(part, exact(forms.profile_part(j, n))), (j, n)
+                values[f"F_{j}^({n - j})"] = part
+            found = Reader(profile[f"F{j}"][1], values).value()
+            assert close(found, exact(forms.profile(j).expression)), j
+
+
+# -- form ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_every_formula_has_one_label(style: str) -> None:
+    order = 6
+    texts = files(order, style, "two")
+    labels = [x for t in texts.values() for x in re.findall(r"\\label\{eq:rope:([^}]*)\}", t)]
+    wanted = {"contact", "shape", "profile"}
+    wanted |= {f"xi{n}" for n in range(1, order + 1)} | {f"w{n}" for n in range(order + 1)}
+    wanted |= {f"F{j}" for j in range(order + 1)}
+    wanted |= {f"F{j}:{n - j}" for j in range(order + 1) for n in range(j + 2, order + 1, 2)}
+    assert len(labels) == len(set(labels))
+    assert set(labels) == wanted
+
+
+def test_symbols_are_defined_where_they_are_used() -> None:
+    texts = files(6, "circular", "two")
+    used = set(re.findall(r"T_\{\d+\}", texts["profile.tex"]))
+    assert used
+    assert all(rf"${symbol}\equiv" in texts["profile.tex"] for symbol in used)
+    assert r"\kappa_{j}\equiv\cot j\Omega" in files(6, "cotangent", "two")["profile.tex"]
+
+
+def test_second_harmonic_is_the_papers_and_fits_one_line() -> None:
+    forms = closed_forms(3, "cotangent")
+    assert profile_equation(forms, 2, "one") == (
+        "\\begin{align}\n"
+        r"F_{2}\sim{}&\frac{\Omega^{2}}{8}\Bigl[2(1-\cos\Omega s)-(1-\cos 2\Omega s)"
+        r"-\kappa_{2}(2\Omega s-\sin 2\Omega s)\Bigr]+O(\epsilon^{2}) \label{eq:rope:F2}"
+        "\n\\end{align}\n"
+    )
+
+
+def test_same_bytes_under_any_hash_seed() -> None:
+    program = (
+        "import hashlib\n"
+        "from asymptotics import ClosedForms, exact_string, expand\n"
+        "from asymptotics.latex import formula_sets\n"
+        "e = expand(exact_string(), 4)\n"
+        "for style in ('cotangent', 'circular'):\n"
+        "    files = formula_sets(ClosedForms(e, style=style), 'two')\n"
+        "    print(hashlib.sha256(repr(sorted(files.items())).encode()).hexdigest())\n"
+    )
+    here = "".join(
+        hashlib.sha256(repr(sorted(files(4, style, "two").items())).encode()).hexdigest() + "\n"
+        for style in STYLES
+    )
+    for seed in ("1", "2"):
+        run = subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert run.stdout == here
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_source_lines_are_short_even_at_order_ten(style: str) -> None:
+    for column in COLUMNS:
+        for text in files(10, style, column).values():
+            assert max(map(len, text.splitlines())) < 1000
+            assert text.count("{") == text.count("}")
+
+
+# -- printed ---------------------------------------------------------------------------------------
+
+
+def has_latex() -> bool:
+    if not (shutil.which("pdflatex") and shutil.which("kpsewhich")):
+        return False
+    found = subprocess.run(["kpsewhich", "revtex4-2.cls"], capture_output=True, check=False)
+    return bool(found.stdout.strip())
+
+
+needs_latex = pytest.mark.skipif(not has_latex(), reason="pdflatex or REVTeX is not installed")
+
+
+def compile_tex(folder: Path, name: str) -> str:
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", name]
+    for _ in range(2):  # the second run resolves the labels
+        subprocess.run(command, cwd=folder, capture_output=True, check=True)
+    return (folder / name).with_suffix(".log").read_text(errors="replace")
+
+
+@needs_latex
+@pytest.mark.parametrize("column", COLUMNS)
+@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("order", [4, 6])
+def test_prints_within_the_column(order: int, style: str, column: str, tmp_path: Path) -> None:
+    for name, text in files(order, style, column).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    log = compile_tex(tmp_path, "supplement.tex")
+    assert "Overfull" not in log
+    assert "undefined" not in log
+    assert "multiply defined" not in log
+    assert not re.search(r"^!", log, re.M)
+    assert re.search(r"Output written on supplement\.pdf \([1-9]\d* pages", log)
+
+
+@needs_latex
+def test_widths_are_those_of_tex(tmp_path: Path) -> None:
+    lines = [
+        re.sub(r"&|\\nonumber|\\\\(\[1ex\])?|\\label\{[^}]*\}", "", line)
+        for style in STYLES
+        for line in files(5, style, "one")["profile.tex"].splitlines()
+        if "&" in line
+    ]
+    boxes = "".join(f"\\sbox0{{$\\displaystyle{{}}{x}$}}\\typeout{{W \\the\\wd0}}\n" for x in lines)
+    source = f"\\documentclass{{article}}\\begin{{document}}\n{boxes}\\end{{document}}\n"
+    (tmp_path / "w.tex").write_text(source, encoding="utf-8")
+    printed = [float(w) for w in re.findall(r"W ([\d.]+)pt", compile_tex(tmp_path, "w.tex"))]
+    assert len(printed) == len(lines) > 50
+    for line, wanted in zip(lines, printed, strict=True):
+        assert (
+            -0.5 <= width(line.replace("{}", " ").replace("{-}", "-")) - wanted <= 0.03 * wanted + 3
+        ), line
+
+
+# -- arguments -------------------------------------------------------------------------------------
+
+
+def test_bad_arguments_name_the_remedy() -> None:
+    forms = closed_forms(4, "cotangent")
+    with pytest.raises(InputError, match="'three'; choose one of two, one"):
+        formula_sets(forms, "three")
+    with pytest.raises(InputError, match="not closed forms; give ClosedForms"):
+        formula_sets("forms")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"j = 5 is not part of order 4; give 0 ≤ j ≤ 4"):
+        profile_equation(forms, 5)
+    with pytest.raises(InputError, match=r"n = 0 is not part of order 4; give 1 ≤ n ≤ 4"):
+        contact_equation(forms, 0)
+    with pytest.raises(InputError, match=r"n = 1\.5 is not an integer"):
+        shape_equation(forms, 1.5)  # type: ignore[arg-type]

@@ -1,0 +1,58 @@
+"""How fast the engine is; nothing here fails on time.
+
+``pytest tests/benchmarks --benchmark-only`` prints the groups with their ratios.
+The goals, kept beside the results as ``goal in seconds``: F₀ … F₄ and the contact point in
+10 ms, order 12 in 2 s, order 16 in 60 s.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from asymptotics import exact_string, expand, float_string, moving_frame, prove
+from tests.benchmarks.rivals import OURS, RIVALS, largest_error
+
+HIGHEST_RIVAL_ORDER = 5
+
+
+def closed_forms_to_order_4():
+    return moving_frame(expand(exact_string(), order=4))
+
+
+@pytest.mark.benchmark(group="F_0 ... F_4 and the contact point")
+def test_paper_orders(benchmark):
+    benchmark.extra_info["goal in seconds"] = 0.010
+    frame = benchmark(closed_forms_to_order_4)
+    assert set(frame.modes) == {0, 1, 2, 3, 4}
+    prove(frame.expansion, frame)
+
+
+@pytest.mark.benchmark(group="high order")
+@pytest.mark.parametrize(("order", "claim"), [(8, None), (12, 2.0), (16, 60.0)])
+def test_high_order(benchmark, order, claim):
+    benchmark.extra_info["goal in seconds"] = claim
+    solution = benchmark.pedantic(
+        expand, (exact_string(), order), rounds=1 if order > 12 else 3, warmup_rounds=0
+    )
+    assert max(solution.contact(order)) == order
+
+
+@pytest.mark.benchmark(group="numbers, order 20")
+def test_floats(benchmark):
+    solution = benchmark(lambda: expand(float_string(0.83, 20), 20))
+    assert solution.order == 20
+
+
+@pytest.mark.parametrize("name", [name for name in RIVALS if not name.startswith("textbook")])
+@pytest.mark.benchmark(group=f"rings, order {HIGHEST_RIVAL_ORDER}")
+def test_rings(benchmark, name):
+    benchmark.extra_info["baseline"] = OURS
+    result = benchmark.pedantic(RIVALS[name], (HIGHEST_RIVAL_ORDER,), rounds=1, warmup_rounds=0)
+    assert largest_error(result, HIGHEST_RIVAL_ORDER) < 1e-9
+
+
+def test_rivals_agree_with_ours():
+    """The comparison is fair: every rival derives the same contact point."""
+    for name, run in RIVALS.items():
+        order = 1 if name.startswith("textbook") else 3
+        assert largest_error(run(order), order) < 1e-12, name
