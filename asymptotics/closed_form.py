@@ -350,4 +350,6 @@ def _phase(j: int) -> sympy.Expr:
 
 
 def _poles(order: int) -> str:
-    return f"at the resonances Ω = pπ/q, p ≥ 1, 1 ≤ q ≤ {order}" if order > 1 else "at Ω = pπ, p ≥ 1"
+    return (
+        f"at the resonances Ω = pπ/q, p ≥ 1, 1 ≤ q ≤ {order}" if order > 1 else "at Ω = pπ, p ≥ 1"
+    )

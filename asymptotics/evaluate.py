@@ -200,5 +200,6 @@ def _axis(name: str, values: npt.ArrayLike) -> Array:
             "is a table, rows over tau and columns over s)"
         )
     if not np.isfinite(array).all():
-        raise InputError(f"{name} contains {array[~np.isfinite(array)][0]!r}; give finite numbers")
+        worst = float(array[~np.isfinite(array)][0])
+        raise InputError(f"{name} contains {worst!r}; give finite numbers")
     return array

@@ -146,6 +146,7 @@ class Piece:
     product: bool = False
 
 
+_WIDE = 90.0  # points: a wider factor and the bracket after it may stand on two lines
 _BRACKETS = ((r"\Bigl[", r"\Bigr]"), (r"\bigl[", r"\bigr]"), ("(", ")"))
 
 
@@ -166,7 +167,8 @@ def pieces(terms: Sequence[Term], depth: int = 0) -> list[Piece]:
         if term.body:
             left, right = _BRACKETS[min(depth, len(_BRACKETS) - 1)]
             inside = pieces(term.body, depth + 1)
-            opening = own.pop() if own else Piece("", depth)
+            joined = bool(own) and width(own[-1].tex) < _WIDE
+            opening = own.pop() if joined else Piece("", depth)
             inside[0] = Piece(opening.tex + left + inside[0].tex, depth, product=bool(own))
             inside[-1] = replace(inside[-1], tex=inside[-1].tex + right + term.tail)
             own += inside

@@ -26,7 +26,8 @@ app = typer.Typer(
 # The golden rotation: of all Ω < π the one farthest from every resonance pπ/q.
 GOLDEN = 1.941611038725466
 
-Order = Annotated[int, typer.Option("--order", "-N", help="Highest power of ε, N ≥ 1.")]
+# Numbers arrive as text, so that all wrong input is answered by the same checks as in Python.
+Order = Annotated[str, typer.Option("--order", "-N", metavar="N", help="Highest power of ε.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Plot = Annotated[
     Path | None,
@@ -46,7 +47,7 @@ def cache_folder() -> Path:
 
 @app.command()
 def derive(
-    order: Order = 4,
+    order: Order = "4",
     format: Annotated[
         str | None, typer.Option(help="text, latex, numpy or json; without it all, or text.")
     ] = None,
@@ -58,8 +59,8 @@ def derive(
         "two"
     ),
     plot: Plot = None,
-    omega: Annotated[float, typer.Option(help="Ω of the plot.")] = GOLDEN,
-    epsilon: Annotated[float, typer.Option(help="ε of the plot.")] = 0.1,
+    omega: Annotated[str, typer.Option(metavar="Ω", help="Ω of the plot.")] = str(GOLDEN),
+    epsilon: Annotated[str, typer.Option(metavar="ε", help="ε of the plot.")] = "0.1",
     cache: Annotated[bool, typer.Option(help="Keep and reuse derivations.")] = True,
     as_json: Json = False,
 ) -> None:
@@ -68,7 +69,8 @@ def derive(
     from derivations.formats import as_json as json_object
 
     formats = _formats(format, out, FORMATS)
-    forms, proofs = _derivation(order, style, column, plot, cache, quiet=as_json)
+    N = _order(order)
+    forms, proofs = _derivation(N, style, column, plot, cache, quiet=as_json)
     written: list[Path] = []
     if out is not None:
         for name in formats:
@@ -76,7 +78,7 @@ def derive(
     if plot is not None:
         from derivations.plots import plot_period
 
-        plot_period(omega, epsilon, order, plot)
+        plot_period(_number("--omega", omega), _number("--epsilon", epsilon), N, plot)
         written.append(plot)
     if as_json:
         result = json_object(forms, proofs)
@@ -138,9 +140,9 @@ def _derivation(
 
 @app.command()
 def evaluate(
-    omega: Annotated[float, typer.Option(help="Ω = ωx₀/c.")],
-    epsilon: Annotated[float, typer.Option(help="Forcing amplitude in units of Z₀.")],
-    order: Order = 4,
+    omega: Annotated[str, typer.Option(metavar="Ω", help="Ω = ωx₀/c.")],
+    epsilon: Annotated[str, typer.Option(metavar="ε", help="Forcing amplitude, units of Z₀.")],
+    order: Order = "4",
     s: Annotated[str, typer.Option(help="Positions (x − x_c)/x₀ ≤ 0, comma-separated.")] = (
         "-1,-0.75,-0.5,-0.25,0"
     ),
@@ -151,11 +153,12 @@ def evaluate(
     """Evaluate ξ_c and w/Z₀: the series in ε truncated at order N."""
     from asymptotics.evaluate import evaluate as compute
 
-    result = compute(omega, epsilon, order, _numbers("--s", s), _numbers("--tau", tau))
+    point = (_number("--omega", omega), _number("--epsilon", epsilon), _order(order))
+    result = compute(*point, _numbers("--s", s), _numbers("--tau", tau))
     if plot is not None:
         from derivations.plots import plot_period
 
-        plot_period(omega, epsilon, order, plot)
+        plot_period(*point, plot)
     if as_json:
         fields = {
             "command": "evaluate",
@@ -178,6 +181,25 @@ def evaluate(
         print(f"wrote {plot}", file=sys.stderr)
 
 
+def _order(text: str) -> int:
+    from asymptotics.expansion import check_order
+
+    try:
+        order: int | str = int(text)
+    except ValueError:
+        order = text
+    return check_order(order)
+
+
+def _number(option: str, text: str) -> float:
+    values = _numbers(option, text)
+    if len(values) > 1:
+        from asymptotics.errors import InputError
+
+        raise InputError(f"{option} {text!r}: give one number")
+    return values[0]
+
+
 def _numbers(option: str, text: str) -> list[float]:
     from asymptotics.errors import InputError
 
@@ -186,7 +208,7 @@ def _numbers(option: str, text: str) -> list[float]:
         values = [float(part) for part in parts]
     except ValueError:
         raise InputError(
-            f"{option} {text!r}: give numbers separated by commas, e.g. {option} -0.5,-0.25,0"
+            f"{option} {text!r}: not a number; several are separated by commas: 0.1,0.2"
         ) from None
     if not values:
         raise InputError(f"{option} is empty: give at least one number")

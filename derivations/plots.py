@@ -35,12 +35,15 @@ def save_figure(figure: Any, path: Path) -> None:
         ".pdf": {"CreationDate": None},
         ".svg": {"Date": None},
     }[suffix]
+    from matplotlib import rc_context
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        replace_file(
-            path,
-            lambda part: figure.savefig(part, format=suffix[1:], dpi=200, metadata=metadata),
-        )
+        with rc_context(_style()):
+            replace_file(
+                path,
+                lambda part: figure.savefig(part, format=suffix[1:], dpi=200, metadata=metadata),
+            )
     except OSError as error:
         raise StorageError(
             f"cannot write {path}: {error.strerror or error}. Choose another file"

@@ -39,8 +39,8 @@ def test_first_coefficients(sixth: Expansion) -> None:
 def direct_taylor(omega: float, order: int) -> tuple[list[dict[int, complex]], list[float]]:
     """A second method over plain numbers: explicit powers δ^d, two-sided Fourier sums by FFT.
 
-    Order by order in ε̂, with time on a grid; nothing of the engine is used. Also returns the largest
-    term that enters each order: what its roundings are relative to.
+    Order by order in ε̂, with time on a grid; nothing of the engine is used. Also returns the
+    largest term that enters each order: what its roundings are relative to.
     """
     sizes = [0.0]
     points = 4 * order + 4

@@ -1,0 +1,240 @@
+"""The emitted module: right to a few ulp, honest where it is not, and what it promises to be."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from asymptotics import ClosedForms, Expansion, expand, float_string
+from asymptotics.evaluate import evaluate
+from asymptotics.numpy_code import numpy_module
+
+UNIT = 2.0**-53
+
+
+def module_from(source: str) -> ModuleType:
+    module = ModuleType("emitted")
+    exec(compile(source, "emitted", "exec"), module.__dict__)
+    return module
+
+
+@pytest.fixture(scope="module")
+def modules(sixth: Expansion) -> dict[int, ModuleType]:
+    return {
+        order: module_from(
+            numpy_module(ClosedForms(Expansion(sixth.problem, sixth.orders[:order])))
+        )
+        for order in (1, 2, 4, 6)
+    }
+
+
+def reference(order: int, s: float, tau: float, omega: float, epsilon: float) -> tuple[mpf, mpf]:
+    """ξ_c and w/Z₀ at 50 digits from the engine over mpmath numbers: no closed form involved."""
+    from asymptotics import moving_frame, string
+    from asymptotics.rings import FloatRing
+
+    class DigitRing(FloatRing):
+        zero, one = mpf(0), mpf(1)
+
+        def rational(self, numerator: int, denominator: int = 1) -> mpf:
+            return mpf(numerator) / denominator
+
+        def sum(self, terms: object) -> mpf:
+            return mpmath.fsum(terms)
+
+        def is_zero(self, element: object) -> bool:
+            return element == 0
+
+    s, tau, omega, epsilon = (mpf(float(x)) for x in (s, tau, omega, epsilon))
+    problem = string(DigitRing(), omega, lambda j: mpmath.cot(j * omega))
+    expansion = expand(problem, order)
+    small = epsilon / mpmath.sin(omega)
+
+    def fourier(harmonics: dict[int, mpf]) -> mpf:
+        return mpmath.fsum(
+            (1 if j == 0 else 2) * c * mpmath.cos(j * omega * tau) for j, c in harmonics.items()
+        )
+
+    contact = 1 + mpmath.fsum(small**n * fourier(expansion.contact(n)) for n in range(1, order + 1))
+    frame = moving_frame(expansion)
+    profile = s * s
+    for k, (value, slope) in frame.modes.items():
+        if k:
+            x = k * omega * s
+            for n in range(1, order + 1):
+                profile -= small**n * fourier(value[n]) * (1 - mpmath.cos(x))
+                profile -= small**n * fourier(slope[n]) / (k * omega) * (x - mpmath.sin(x))
+    return contact, profile
+
+
+def cases(order: int, count: int, near: bool) -> list[tuple[float, float, float, float]]:
+    """(s, τ, Ω, ε) with a well-ordered series, ``near`` resonances or away from them."""
+    rng = random.Random(20 * order + near)
+    found = []
+    while len(found) < count:
+        q = rng.randint(1, order)
+        p = rng.randint(1, 3 * q)
+        away = rng.choice([-1, 1]) * 10 ** rng.uniform(-6, -2)
+        omega = p * np.pi / q + away if near else rng.uniform(0.3, 9.0)
+        distance = min(abs(np.sin(k * omega)) for k in range(1, order + 1))
+        if not near and distance < 0.1:
+            continue
+        epsilon = 0.02 * abs(np.sin(omega)) * distance**2 / omega**2
+        found.append((-(10 ** rng.uniform(-8, 0)), rng.uniform(0, 7), omega, epsilon))
+    return found
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 6])
+def test_a_few_ulp_away_from_resonances(modules: dict[int, ModuleType], order: int) -> None:
+    module = modules[order]
+    with mp.workdps(50):
+        for s, tau, omega, epsilon in cases(order, 40, near=False):
+            contact, profile = reference(order, s, tau, omega, epsilon)
+            assert abs(module.contact(tau, omega, epsilon) - contact) <= 4 * UNIT * contact
+            found = module.profile(s, tau, omega, epsilon)
+            assert abs(found - profile) <= 16 * UNIT * profile
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+@pytest.mark.parametrize("near", [False, True])
+def test_errors_stay_below_the_stated_bound(
+    modules: dict[int, ModuleType], order: int, near: bool
+) -> None:
+    """On the response alone, a thousandfold magnified: ε is set so that nothing hides behind 1."""
+    module = modules[order]
+    ratios = []
+    with mp.workdps(50):
+        for s, tau, omega, epsilon in cases(order, 40, near):
+            strong = 1e3 * epsilon
+            contact, profile = reference(order, s, tau, omega, strong)
+            for error, bound in (
+                (
+                    module.contact(tau, omega, strong) - contact,
+                    module.contact_error(tau, omega, strong),
+                ),
+                (
+                    module.profile(s, tau, omega, strong) - profile,
+                    module.profile_error(s, tau, omega, strong),
+                ),
+            ):
+                ratios.append(float(abs(error)) / float(bound))
+    assert max(ratios) <= 1.0
+    # A bound that could never be reached says nothing: it is within a few orders of magnitude.
+    assert max(ratios) >= 1e-4
+
+
+def test_the_bound_grows_towards_a_resonance(modules: dict[int, ModuleType]) -> None:
+    bounds = [float(modules[4].contact_error(0.3, np.pi / 2 + mu, 0.1)) for mu in (1e-1, 1e-5)]
+    assert bounds[1] > 1e3 * bounds[0]
+
+
+def test_relative_accuracy_at_the_contact_point(modules: dict[int, ModuleType]) -> None:
+    """w ∼ s² there; the naive 1 − cos and x − sin would leave 1e−16/s² of it."""
+    with mp.workdps(50):
+        for s in (-1e-2, -1e-5, -1e-9):
+            _, profile = reference(4, s, 0.4, 0.83, 0.05)
+            assert abs(modules[4].profile(s, 0.4, 0.83, 0.05) - profile) <= 16 * UNIT * profile
+
+
+def test_it_is_the_evaluate_function(modules: dict[int, ModuleType]) -> None:
+    s, tau = np.linspace(-1, 0, 7), np.linspace(0, 3, 5)
+    result = evaluate(0.83, 0.05, 6, s, tau)
+    found = modules[6].profile(s, tau[:, None], 0.83, 0.05)
+    np.testing.assert_allclose(found, result.profile, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(modules[6].contact(tau, 0.83, 0.05), result.contact, rtol=1e-14)
+
+
+def test_broadcasting_over_every_argument(modules: dict[int, ModuleType]) -> None:
+    module = modules[4]
+    s = np.linspace(-1, 0, 3)
+    tau = np.linspace(0, 2, 4)[:, None]
+    omega = np.array([0.7, 0.9])[:, None, None]
+    epsilon = np.array([0.01, 0.02, 0.03, 0.04, 0.05])[:, None, None, None]
+    table = module.profile(s, tau, omega, epsilon)
+    assert table.shape == (5, 2, 4, 3)
+    assert module.profile_error(s, tau, omega, epsilon).shape == (5, 2, 4, 3)
+    one = module.profile(s[1], tau[2, 0], omega[1, 0, 0], epsilon[3, 0, 0, 0])
+    assert table[3, 1, 2, 1] == pytest.approx(float(one), rel=1e-15)
+    assert module.contact(tau, omega, epsilon).shape == (5, 2, 4, 1)
+    grid = module.profile(s, tau, 0.7, 0.01)
+    assert grid.shape == (4, 3)
+    np.testing.assert_allclose(grid, table[0, 0], rtol=1e-14)
+
+
+def test_another_array_namespace(modules: dict[int, ModuleType]) -> None:
+    strict = pytest.importorskip("array_api_strict")
+    s, tau = np.linspace(-1, 0, 5), np.linspace(0, 2, 4)[:, None]
+    for function, arguments in (
+        ("contact", (tau, 0.83, 0.02)),
+        ("profile", (s, tau, 0.83, 0.02)),
+        ("contact_error", (tau, 0.83, 0.02)),
+        ("profile_error", (s, tau, 0.83, 0.02)),
+    ):
+        converted = [strict.asarray(a) for a in arguments]
+        found = getattr(modules[4], function)(*converted, xp=strict)
+        expected = getattr(modules[4], function)(*arguments)
+        np.testing.assert_allclose(np.asarray(found), expected, rtol=1e-14)
+
+
+def test_a_resonance_gives_no_plausible_number(modules: dict[int, ModuleType]) -> None:
+    with np.errstate(all="ignore"):
+        assert not abs(modules[4].contact(0.1, np.pi / 2, 0.01)) < 1e20
+
+
+def test_needs_numpy_only_and_is_the_same_every_time(tmp_path: Path) -> None:
+    program = (
+        "from asymptotics import *\nfrom asymptotics.numpy_code import numpy_module\n"
+        "print(numpy_module(ClosedForms(expand(exact_string(), 4))), end='')"
+    )
+    texts = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={"PYTHONHASHSEED": seed, "PATH": ""},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2")
+    }
+    assert len(texts) == 1
+    (tmp_path / "rope.py").write_text(texts.pop(), encoding="utf-8")
+    check = (
+        "import sys, rope; rope.contact(0.0, 0.8, 0.1);"
+        "print([m for m in ('sympy', 'flint', 'asymptotics', 'scipy') if m in sys.modules])"
+    )
+    out = subprocess.run(
+        [sys.executable, "-c", check], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert out.stdout.strip() == "[]"
+
+
+def test_long_brackets_are_emitted_in_blocks(sixth: Expansion) -> None:
+    """They are broken into statements; the numbers are those of the engine over floats."""
+    ninth = expand(sixth.problem, 9, start=sixth)
+    source = numpy_module(ClosedForms(ninth))
+    assert max(map(len, source.splitlines())) <= 100
+    module = module_from(source)
+    result = evaluate(0.83, 0.05, 9, [-0.4], [0.3])
+    assert module.contact(0.3, 0.83, 0.05) == pytest.approx(result.contact[0], rel=1e-14)
+    assert module.profile(-0.4, 0.3, 0.83, 0.05) == pytest.approx(result.profile[0, 0], rel=1e-13)
+
+
+def test_the_float_engine_keeps_its_digits() -> None:
+    """The reference's own check: the engine over doubles is near the engine over 50 digits."""
+    with mp.workdps(50):
+        contact, _ = reference(6, -0.5, 0.3, 0.83, 0.05)
+    numbers = expand(float_string(0.83, 6), 6)
+    total = 1.0 + sum(
+        (0.05 / np.sin(0.83)) ** n
+        * sum((2 if j else 1) * c * np.cos(j * 0.83 * 0.3) for j, c in numbers.contact(n).items())
+        for n in range(1, 7)
+    )
+    assert total == pytest.approx(float(contact), rel=1e-14)

@@ -1,0 +1,198 @@
+"""The command, as a person or a program uses it."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import sympy
+
+from derivations.app import GOLDEN, main
+
+
+@pytest.fixture(autouse=True)
+def _cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROPEWAVE_CACHE", str(tmp_path / "cache"))
+
+
+def run(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as caught:
+        main(list(arguments))
+    return int(caught.value.code or 0)
+
+
+def test_derive_prints_every_formula_with_its_proof(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("derive", "--order", "4") == 0
+    out = capsys.readouterr().out
+    for j in range(5):
+        assert f"\nF_{j} = " in out
+        assert f"  order {j}: proved (PDE residual 0, driven end 0, contact 0;" in out
+
+
+def test_derive_json_is_one_object_that_sympy_parses(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("derive", "--order", "5", "--json") == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    result = json.loads(captured.out)
+    assert [o["order"] for o in result["orders"]] == [1, 2, 3, 4, 5]
+    assert all(o["proved"] for o in result["orders"])
+    omega = sympy.Symbol("Omega")
+    second = sympy.sympify(result["orders"][1]["contact"]["2"])
+    expected = -(omega**3) * sympy.cot(2 * omega) / 8 / sympy.sin(omega) ** 2
+    assert sympy.simplify(second - expected) == 0
+    names = {"Omega", "epsilon", "s", "xi"}
+    for order in result["orders"]:
+        for text in (*order["contact"].values(), *order["shape"].values()):
+            assert {x.name for x in sympy.sympify(text).free_symbols} <= names
+    assert sorted(result["profile"]) == ["0", "1", "2", "3", "4", "5"]
+
+
+def test_derive_writes_every_format(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "new" / "folder"
+    assert run("derive", "--order", "3", "--out", str(out), "--plot", str(out / "p.pdf")) == 0
+    assert {path.name for path in out.iterdir()} == {
+        "string-order3.txt", "string-order3.json", "string_order3.py", "p.pdf",
+        "contact.tex", "shape.tex", "profile.tex", "supplement.tex",
+    }  # fmt: skip
+    spec = importlib.util.spec_from_file_location("emitted", out / "string_order3.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    capsys.readouterr()
+    assert run("evaluate", "--omega", "0.83", "--epsilon", "0.02", "--order", "3", "--s",
+               "-0.5,0", "--tau", "0,1", "--json") == 0  # fmt: skip
+    result = json.loads(capsys.readouterr().out)
+    for time, contact, row in zip([0.0, 1.0], result["contact"], result["profile"], strict=True):
+        assert module.contact(time, 0.83, 0.02) == pytest.approx(contact, rel=1e-14)
+        assert module.profile(-0.5, time, 0.83, 0.02) == pytest.approx(row[0], rel=1e-14)
+        assert row[1] == 0.0
+
+
+@pytest.mark.parametrize("format", ["text", "latex", "numpy", "json"])
+def test_one_format_goes_to_the_screen(format: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("derive", "--order", "2", "--format", format) == 0
+    out = capsys.readouterr().out
+    marks = {"text": "F_2 =", "latex": "\\label{eq:rope:F2", "numpy": "def profile(", "json": "{"}
+    assert marks[format] in out
+
+
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_figures_are_the_same_bytes_every_time(tmp_path: Path, suffix: str) -> None:
+    for name in ("a", "b"):
+        assert run("evaluate", "--omega", str(GOLDEN), "--epsilon", "0.1", "--order", "5",
+                   "--plot", str(tmp_path / f"{name}.{suffix}")) == 0  # fmt: skip
+    first, second = (tmp_path / f"{name}.{suffix}" for name in ("a", "b"))
+    assert first.read_bytes() == second.read_bytes()
+    assert first.stat().st_size > 5_000
+
+
+def test_a_second_run_reads_the_cache(tmp_path: Path) -> None:
+    assert run("derive", "--order", "3", "--json") == 0
+    folder = tmp_path / "cache" / "string"
+    assert len(list(folder.iterdir())) == 3
+    victim = folder / "order-0002.json.gz"
+    victim.write_bytes(b"garbage")
+    assert run("derive", "--order", "4", "--json") == 2
+    assert victim.read_bytes() == b"garbage"
+    assert run("derive", "--order", "4", "--json", "--no-cache") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["derive", "--order", "0"], "order = 0"),
+        (["derive", "--order", "-3"], "order = -3"),
+        (["derive", "--order", "two"], "order = 'two' is not an integer"),
+        (["derive", "--format", "pdf"], "choose one of text, latex, numpy, json"),
+        (["derive", "--style", "sine"], "choose one of cotangent, circular"),
+        (["derive", "--column", "three"], "choose one or two"),
+        (["derive", "--plot", "x.bmp"], "ends in .pdf, .png, .svg"),
+        (["evaluate", "--omega", "0.83"], "Missing option"),
+        (["evaluate", "--omega", str(math.pi / 3), "--epsilon", "0.01"], "p/q = 1/3 "),
+        (["derive", "--order", "2.5"], "order = '2.5' is not an integer"),
+        (["evaluate", "--omega", "x", "--epsilon", "0.1"], "--omega 'x': not a number"),
+        (["evaluate", "--omega", "1,2", "--epsilon", "0.1"], "--omega '1,2': give one number"),
+        (["evaluate", "--omega", "nan", "--epsilon", "0.01"], "Omega = nan"),
+        (["evaluate", "--omega", "0.83", "--epsilon", "nan"], "epsilon = nan"),
+        (["evaluate", "--omega", "3.1", "--epsilon", "0.1"], "too large for order 4"),
+        (["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--s", "0.5"], "beyond the contact"),
+        (
+            ["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--s", "a,b"],
+            "--s 'a,b': not a number",
+        ),
+        (["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--tau", ","], "--tau is empty"),
+        (["derive", "--order", "2", "--out", "/dev/null/x"], "cannot write in /dev/null/x"),
+        (["nonsense"], "No such command"),
+    ],
+)
+def test_bad_input_is_one_clear_error(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(*arguments) != 0
+    captured = capsys.readouterr()
+    assert message in " ".join(captured.err.replace("│", " ").split())
+    assert captured.out == ""
+    assert "Traceback" not in captured.err
+
+
+def test_an_unwritable_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    monkeypatch.setenv("ROPEWAVE_CACHE", str(tmp_path / "file" / "cache"))
+    assert run("derive", "--order", "2") == 2
+    assert "set ROPEWAVE_CACHE" in capsys.readouterr().err
+
+
+def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "derivations.app", *arguments],
+        capture_output=True,
+        text=True,
+        env={**os.environ, **environment},
+    )
+
+
+def test_another_package_of_our_name_is_told(tmp_path: Path) -> None:
+    (tmp_path / "asymptotics").mkdir()
+    (tmp_path / "asymptotics" / "__init__.py").write_text("", encoding="utf-8")
+    home = str(Path(__file__).resolve().parents[2])
+    result = command("derive", PYTHONPATH=f"{tmp_path}{os.pathsep}{home}")
+    # ``-m`` puts the working directory first; run from elsewhere to let the other package win.
+    if result.returncode == 0:
+        result = subprocess.run(
+            [sys.executable, "-m", "derivations.app", "derive"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            env={**os.environ, "PYTHONPATH": home},
+        )
+    assert result.returncode == 2
+    assert "another package of the same name" in result.stderr
+    assert "pip uninstall -y asymptotics" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_progress_is_shown_for_long_work_only(capsys: pytest.CaptureFixture[str]) -> None:
+    from derivations import progress as module
+
+    with module.progress("deriving", 2) as report:
+        report(1)
+    assert capsys.readouterr().err == ""
+    patience, module.PATIENCE = module.PATIENCE, -1.0
+    try:
+        with module.progress("deriving", 2) as report:
+            report(1)
+        assert capsys.readouterr().err.startswith("deriving: 1/2 (")
+        with module.progress("deriving", 2, quiet=True) as report:
+            report(1)
+        assert capsys.readouterr().err == ""
+    finally:
+        module.PATIENCE = patience
