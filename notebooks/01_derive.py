@@ -62,7 +62,7 @@ circular.contact_harmonic(3, 3)
 # The paper's printed formulas, proved equal to what was derived:
 
 # %%
-from asymptotics.paper import compare
+from asymptotics.paper_check import compare
 
 for comparison in compare(forms):
     print(comparison)

@@ -29,10 +29,16 @@ ORDER = 4
 ROUNDINGS = 103
 UNIT = 2.0**-53
 
+# Arguments with more elements than this are worked through in pieces.
+BLOCK = 8192
+
 
 def contact(tau, omega, epsilon, xp=np):
     """x_c/x0 at the times tau, through epsilon**4."""
-    tau, omega, epsilon = (xp.asarray(a, dtype=xp.float64) for a in (tau, omega, epsilon))
+    return _in_blocks(_contact, (tau, omega, epsilon), xp)
+
+
+def _contact(tau, omega, epsilon, xp):
     harmonics = _contact_harmonics(omega, epsilon / xp.sin(omega), _cotangents(omega, xp))
     total = 1.0 + harmonics[0]
     for j, cosine in enumerate(_cosines(omega * tau, xp), start=1):
@@ -42,7 +48,10 @@ def contact(tau, omega, epsilon, xp=np):
 
 def profile(s, tau, omega, epsilon, xp=np):
     """w/Z0 at the distance s from the contact point and the times tau, through epsilon**4."""
-    s, tau, omega, epsilon = (xp.asarray(a, dtype=xp.float64) for a in (s, tau, omega, epsilon))
+    return _in_blocks(_profile, (s, tau, omega, epsilon), xp)
+
+
+def _profile(s, tau, omega, epsilon, xp):
     small = epsilon / xp.sin(omega)
     amplitudes = _profile_amplitudes(omega, small, _cotangents(omega, xp))
     functions = _shape_functions(omega * s, xp)
@@ -174,6 +183,25 @@ def _profile_amplitudes(o, e, k):
             (4, 1): d4_4,
         },
     }
+
+
+def _in_blocks(function, arguments, xp):
+    """function(*arguments, xp), in blocks that stay in the processor's cache."""
+    arguments = [xp.asarray(a, dtype=xp.float64) for a in arguments]
+    if max(a.size for a in arguments) <= BLOCK:
+        return function(*arguments, xp)
+    shape = np.broadcast_shapes(*(a.shape for a in arguments))
+    out = xp.empty(shape, dtype=xp.float64)
+    rows = BLOCK * shape[0] // out.size
+    for i in range(0, shape[0], max(rows, 1)):
+        cut = slice(i, i + rows) if rows else i
+        whole = slice(None) if rows else 0
+        part = [
+            a if a.ndim < len(shape) else a[(cut if a.shape[0] > 1 else whole), ...]
+            for a in arguments
+        ]
+        out[cut, ...] = function(*part, xp) if rows else _in_blocks(function, part, xp)
+    return out
 
 
 def _combine(shapes, cosines, xp):

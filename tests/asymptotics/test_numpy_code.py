@@ -238,3 +238,23 @@ def test_the_float_engine_keeps_its_digits() -> None:
         for n in range(1, 7)
     )
     assert total == pytest.approx(float(contact), rel=1e-14)
+
+
+@pytest.mark.parametrize("shape", [(20_000,), (3, 9_000), (9_000, 3), (2, 2, 9_000)])
+def test_large_arrays_are_worked_through_in_blocks(
+    modules: dict[int, ModuleType], shape: tuple[int, ...]
+) -> None:
+    """Block by block, whatever the shapes: the numbers are those of one piece."""
+    module = modules[4]
+    rng = np.random.default_rng(3)
+    s, tau = -rng.random(shape), rng.random(shape[-1:])
+    omega = rng.uniform(0.5, 0.9, (*shape[:-1], 1))
+    found = module.profile(s, tau, omega, 0.01), module.contact(tau, omega, 0.01)
+    module.BLOCK, block = 10**9, module.BLOCK
+    try:
+        expected = module.profile(s, tau, omega, 0.01), module.contact(tau, omega, 0.01)
+    finally:
+        module.BLOCK = block
+    for a, b in zip(found, expected, strict=True):
+        assert a.shape == shape
+        np.testing.assert_array_equal(a, b)
