@@ -3,7 +3,7 @@
 >>> from asymptotics import exact_string, expand, prove
 >>> solution = expand(exact_string(), order=3)
 >>> [proof.holds for proof in prove(solution)]
-[True, True, True]
+[True, True, True, True]
 """
 
 from asymptotics.closed_form import ClosedForm, ClosedForms

@@ -113,7 +113,7 @@ def _row_terms(numerator: fmpq_poly, poles: Poles) -> dict[tuple[int, int, int],
             powers = raised
             numerator = numerator // psi
             powers[q - 2] -= 1
-            for d in range(2, q + 1):
+            for d in (d for d in range(2, q + 1) if q % d == 0):
                 while powers[d - 2]:
                     quotient, remainder = divmod(numerator, _psi(d))
                     if remainder:

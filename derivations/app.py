@@ -26,6 +26,9 @@ app = typer.Typer(
 # The golden rotation: of all Ω < π the one farthest from every resonance pπ/q.
 GOLDEN = 1.941611038725466
 
+# Longer texts stay in their files when there are files; the screen gets the proofs.
+SCREEN = 20_000
+
 # Numbers arrive as text, so that all wrong input is answered by the same checks as in Python.
 Order = Annotated[str, typer.Option("--order", "-N", metavar="N", help="Highest power of ε.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
@@ -67,30 +70,32 @@ def derive(
     """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
     from derivations.formats import FORMATS, render, write_files
     from derivations.formats import as_json as json_object
+    from derivations.progress import progress
 
     formats = _formats(format, out, FORMATS)
     N = _order(order)
-    forms, proofs = _derivation(N, style, column, plot, cache, quiet=as_json)
     written: list[Path] = []
-    if out is not None:
-        for name in formats:
-            written += write_files(render(forms, proofs, name, column), out)
-    if plot is not None:
+    if plot is not None:  # first: it is quick, and knows whether Ω and ε make sense
         from derivations.plots import plot_period
 
         plot_period(_number("--omega", omega), _number("--epsilon", epsilon), N, plot)
         written.append(plot)
+    forms, proofs = _derivation(N, style, column, cache, quiet=as_json)
+    if out is not None:
+        with progress("writing", len(formats), quiet=as_json) as report:
+            for done, name in enumerate(formats, start=1):
+                written += write_files(render(forms, proofs, name, column), out)
+                report(done)
     if as_json:
         result = json_object(forms, proofs)
         result["files"] = [str(path) for path in written]
         print(json.dumps(result))
         return
-    shown = "text" if out is not None else formats[0]
-    pages = render(forms, proofs, shown, column)
-    for name, content in pages.items():
-        if len(pages) > 1:
-            print(f"%%% {name}")
-        print(content, end="")
+    pages = render(forms, proofs, "text" if out is not None else formats[0], column)
+    text = "\n".join(pages.values())
+    if out is not None and len(text) > SCREEN:
+        text = "\n".join(str(proof) for proof in proofs) + "\n"
+    print(text, end="")
     for path in written:
         print(f"wrote {path}", file=sys.stderr)
 
@@ -105,9 +110,7 @@ def _formats(format: str | None, out: Path | None, known: tuple[str, ...]) -> tu
     return (format,)
 
 
-def _derivation(
-    order: int, style: str, column: str, plot: Path | None, cache: bool, quiet: bool
-) -> tuple[Any, Any]:
+def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -> tuple[Any, Any]:
     """Closed forms and their proofs; arguments are checked before any long work."""
     from asymptotics.closed_form import ClosedForms, check_style
     from asymptotics.errors import InputError
@@ -122,10 +125,6 @@ def _derivation(
     check_style(style)
     if column not in ("one", "two"):
         raise InputError(f"--column {column!r}: choose one or two")
-    if plot is not None:
-        from derivations.plots import check_plot_path
-
-        check_plot_path(plot)
     problem = exact_string()
     with progress("deriving", order, quiet) as report:
         if cache:

@@ -188,9 +188,16 @@ def _profile_amplitudes(o, e, k):
 def _in_blocks(function, arguments, xp):
     """function(*arguments, xp), in blocks that stay in the processor's cache."""
     arguments = [xp.asarray(a, dtype=xp.float64) for a in arguments]
+    shapes = [a.shape for a in arguments]
+    try:
+        shape = np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise ValueError(
+            f"arguments of shapes {', '.join(map(str, shapes))} do not broadcast against one "
+            "another; put times in rows, tau[:, None], and positions in columns"
+        ) from None
     if max(a.size for a in arguments) <= BLOCK:
         return function(*arguments, xp)
-    shape = np.broadcast_shapes(*(a.shape for a in arguments))
     out = xp.empty(shape, dtype=xp.float64)
     rows = BLOCK * shape[0] // out.size
     for i in range(0, shape[0], max(rows, 1)):

@@ -169,6 +169,11 @@ def test_broadcasting_over_every_argument(modules: dict[int, ModuleType]) -> Non
     np.testing.assert_allclose(grid, table[0, 0], rtol=1e-14)
 
 
+def test_shapes_that_do_not_broadcast(modules: dict[int, ModuleType]) -> None:
+    with pytest.raises(ValueError, match=r"shapes \(3,\), \(4,\), \(\), \(\) do not broadcast"):
+        modules[4].profile(np.zeros(3), np.zeros(4), 0.83, 0.01)
+
+
 def test_another_array_namespace(modules: dict[int, ModuleType]) -> None:
     strict = pytest.importorskip("array_api_strict")
     s, tau = np.linspace(-1, 0, 5), np.linspace(0, 2, 4)[:, None]
