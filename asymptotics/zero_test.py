@@ -11,10 +11,8 @@ modulo constants, so the y_k are algebraically independent over ℂ(Ω, s, …) 
 Lindemann–Weierstrass for functions): **an expression vanishes identically exactly when its
 numerator, a polynomial in the symbols and the y_k, is the zero polynomial.**
 
-This shares nothing with :mod:`asymptotics.cotangent`. It is fast because a value is a sum of
-fractions *grouped by denominator*, a denominator being a multiset of irreducible polynomials:
-multiplying out waits until two sums meet, or until the end. Numbers a + ib are pairs over ℚ, and
-denominators are made real.
+This shares nothing with :mod:`asymptotics.cotangent`. It is fast because
+:mod:`asymptotics.grouped_fractions`, the arithmetic, multiplies out late.
 """
 
 from __future__ import annotations
@@ -24,18 +22,10 @@ from math import lcm
 from typing import Any
 
 import sympy
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import fmpq, fmpq_mpoly
 
 from asymptotics.errors import InputError
-
-Denominator = tuple[tuple[int, int], ...]
-"""Sorted (number of an irreducible factor, its power > 0)."""
-
-Pair = tuple[fmpq_mpoly, fmpq_mpoly]
-"""(a, b) for a + ib."""
-
-Value = dict[Denominator, Pair]
-"""Σ (a + ib)/denominator."""
+from asymptotics.grouped_fractions import FractionField, Pair, Value
 
 Angle = dict[Any, Fraction]
 """{monomial: coefficient}."""
@@ -95,8 +85,8 @@ def are_equal(a: Any, b: Any) -> bool:
     True
     """
     first, second = _checked(a), _checked(b)
-    field = _Field((first, second))
-    real, imaginary = field.difference(first, second)[0]
+    together = _Expressions((first, second))
+    real, imaginary = together.difference(first, second)[0]
     return bool(real.is_zero() and imaginary.is_zero())
 
 
@@ -123,9 +113,9 @@ def are_equal_through(a: Any, b: Any, symbol: Any, power: int) -> bool:
     if isinstance(power, bool) or not isinstance(power, int) or power < 0:
         raise InputError(f"power = {power!r}; give a whole number ≥ 0")
     first, second, variable = _checked(a), _checked(b), _checked(symbol)
-    field = _Field((first, second, variable))
-    pair, below = field.difference(first, second)
-    position = field.position(variable)
+    together = _Expressions((first, second, variable))
+    pair, below = together.difference(first, second)
+    position = together.position(variable)
     if all(int(monomial[position]) for monomial in below.monoms()):
         raise InputError(
             f"zero test: the difference of the two expressions has a pole at {variable} = 0 and is "
@@ -190,8 +180,8 @@ def angle_of(function: Any) -> Angle:
     return dict(sorted(angle.items(), key=lambda item: str(item[0])))
 
 
-class _Field:
-    """The field ℚ(i)(symbols, y₁, y₂, …) of some expressions."""
+class _Expressions:
+    """Some expressions as members of one field, ℚ(i)(symbols, y₁, y₂, …)."""
 
     def __init__(self, expressions: tuple[sympy.Expr, ...]) -> None:
         everything = sympy.Tuple(*expressions)
@@ -207,15 +197,10 @@ class _Field:
         for angle in self.angles.values():
             for m, coefficient in angle.items():
                 self.units[m] = lcm(self.units.get(m, 1), coefficient.denominator)
-        names = [f"x{i}" for i in range(len(self.symbols))]
-        names += [f"y{i}" for i in range(len(self.units))]
-        self.context = fmpq_mpoly_ctx.get(names or ["x0"], Ordering.lex)
-        self.zero, self.one = self.context.constant(0), self.context.constant(1)
-        generators = self.context.gens()
+        self.field = FractionField(len(self.symbols) + len(self.units))
+        generators = self.field.generators
         self.x = dict(zip(self.symbols, generators, strict=False))
-        self.y = dict(zip(self.units, generators[len(self.symbols) :], strict=False))
-        self.factors: list[fmpq_mpoly] = []
-        self.numbers: dict[tuple, int] = {}
+        self.y = dict(zip(self.units, generators[len(self.symbols) :], strict=True))
         self.known: dict[Any, Value] = {}
 
     def position(self, symbol: Any) -> int:
@@ -227,91 +212,11 @@ class _Field:
             )
         return self.symbols.index(symbol)
 
-    # -- arithmetic ------------------------------------------------------------------------------
-
     def difference(self, a: sympy.Expr, b: sympy.Expr) -> tuple[Pair, fmpq_mpoly]:
         """Numerator and denominator of a − b."""
-        minus = self.times(self.convert(b), {(): (-self.one, self.zero)})
-        total = self.total([self.convert(a), minus])
-        ((below, pair),) = self.combined(total).items()
-        return pair, self.product(below)
-
-    def total(self, values: list[Value]) -> Value:
-        """Σ values, group by group."""
-        result: Value = {}
-        for value in values:
-            for below, (a, b) in value.items():
-                known = result.get(below)
-                result[below] = (a, b) if known is None else (known[0] + a, known[1] + b)
-        return result
-
-    def times(self, left: Value, right: Value) -> Value:
-        """A product; two sums are brought to a common denominator first."""
-        if len(left) > 1 and len(right) > 1:
-            left, right = self.combined(left), self.combined(right)
-        return self.total(
-            [{_joined(d, e): _product(p, q)} for d, p in left.items() for e, q in right.items()]
-        )
-
-    def product(self, below: Denominator) -> fmpq_mpoly:
-        """A denominator multiplied out."""
-        result = self.one
-        for number, power in below:
-            result = result * self.factors[number] ** power
-        return result
-
-    def combined(self, value: Value) -> Value:
-        """The same value as one fraction over the least common denominator."""
-        highest: dict[int, int] = {}
-        for below in value:
-            for number, power in below:
-                highest[number] = max(highest.get(number, 0), power)
-        real, imaginary = self.zero, self.zero
-        for below, (a, b) in value.items():
-            present = dict(below)
-            missing = self.product(tuple((n, m - present.get(n, 0)) for n, m in highest.items()))
-            real, imaginary = real + a * missing, imaginary + b * missing
-        return {tuple(sorted(highest.items())): (real, imaginary)}
-
-    def over(self, pair: Pair, below: fmpq_mpoly) -> Value:
-        """(a + ib)/below, the denominator split into irreducible factors."""
-        content, factors = below.factor()
-        denominator: dict[int, int] = {}
-        for factor, power in factors:
-            leading = factor.leading_coefficient()
-            content = content * leading ** int(power)
-            factor = factor / leading
-            number = self.numbers.setdefault(tuple(factor.terms()), len(self.factors))
-            if number == len(self.factors):
-                self.factors.append(factor)
-            denominator[number] = int(power)
-        return {tuple(sorted(denominator.items())): (pair[0] / content, pair[1] / content)}
-
-    def inverse(self, value: Value, name: Any) -> Value:
-        """1/value: (a − ib)/(a² + b²), a real denominator."""
-        ((below, (a, b)),) = self.combined(value).items()
-        if a.is_zero() and b.is_zero():
-            raise InputError(f"zero test: the denominator {_quoted(name)} vanishes identically")
-        above = self.product(below)
-        if a.is_zero():
-            return self.over((self.zero, -above), b)
-        if b.is_zero():
-            return self.over((above, self.zero), a)
-        return self.over((above * a, -above * b), a * a + b * b)
-
-    def power(self, value: Value, exponent: int) -> Value:
-        """value^exponent, exponent ≥ 1, by repeated squaring."""
-        value = self.combined(value)
-        result: Value | None = None
-        while True:
-            if exponent & 1:
-                result = value if result is None else self.times(result, value)
-            exponent >>= 1
-            if not exponent:
-                return result or value
-            value = self.times(value, value)
-
-    # -- expressions -----------------------------------------------------------------------------
+        field = self.field
+        minus = field.times(self.convert(b), {(): (-field.one, field.zero)})
+        return field.fraction(field.total([self.convert(a), minus]))
 
     def convert(self, expression: Any) -> Value:
         """An expression as a value, each sub-expression once."""
@@ -321,35 +226,44 @@ class _Field:
 
     def _convert(self, expression: Any) -> Value:
         if expression.is_Add:
-            return self.total([self.convert(part) for part in expression.args])
+            return self.field.total([self.convert(part) for part in expression.args])
         if expression.is_Mul:
-            result: Value = {(): (self.one, self.zero)}
+            result: Value = {(): (self.field.one, self.field.zero)}
             for part in sorted(expression.args, key=lambda part: bool(part.is_Add)):
-                result = self.times(result, self.convert(part))
+                result = self.field.times(result, self.convert(part))
             return result
         if expression in self.angles:
             return self._circular(expression)
         if expression.is_Pow and expression.exp.is_Integer:
-            value, exponent = self.convert(expression.base), int(expression.exp)
-            if exponent < 0:
-                value = self.inverse(value, expression.base)
-            return self.power(value, abs(exponent))
+            base, exponent = expression.base, int(expression.exp)
+            value = self._inverse(base) if exponent < 0 else self.convert(base)
+            return self.field.power(value, abs(exponent))
         return {(): self._leaf(expression)}
+
+    def _inverse(self, expression: Any) -> Value:
+        value = self.convert(expression)
+        try:
+            return self.field.inverse(value)
+        except ZeroDivisionError:
+            raise InputError(
+                f"zero test: the denominator {_quoted(expression)} vanishes identically"
+            ) from None
 
     def _leaf(self, expression: Any) -> Pair:
         if expression.is_Symbol:
-            return self.x[expression], self.zero
+            return self.x[expression], self.field.zero
         if expression.is_Rational:
-            return self.context.constant(fmpq(int(expression.p), int(expression.q))), self.zero
+            return self.field.constant(fmpq(int(expression.p), int(expression.q))), self.field.zero
         if expression is sympy.I:
-            return self.zero, self.one
+            return self.field.zero, self.field.one
         if expression.is_number and expression.is_Atom:
             raise _refuse_number(expression)
         allowed = "powers must be whole numbers" if expression.is_Pow else f"allowed are {_ALLOWED}"
         raise InputError(f"zero test: cannot handle {_quoted(expression)}; {allowed}")
 
     def _circular(self, function: Any) -> Value:
-        up, down = self.one, self.one
+        field = self.field
+        up, down = field.one, field.one
         for m, coefficient in self.angles[function].items():
             exponent = int(coefficient * self.units[m])
             if exponent > 0:
@@ -359,23 +273,13 @@ class _Field:
         c, d = up * up + down * down, up * up - down * down
         parts = {"P": up, "Q": down, "C": c, "D": d, "M": 2 * up * down}
         above, below, turns = _CIRCULAR[function.func]
+        if parts[below].is_zero():
+            raise InputError(
+                f"zero test: {_quoted(function)} is infinite identically; simplify its angle"
+            )
         number = parts[above] if turns < 2 else -parts[above]
-        value = self.over((self.zero, number) if turns % 2 else (number, self.zero), parts[below])
+        pair = (field.zero, number) if turns % 2 else (number, field.zero)
+        value = field.over(pair, parts[below])
         if function.func is sympy.sinc:
-            argument = function.args[0]
-            value = self.times(value, self.inverse(self.convert(argument), argument))
+            value = field.times(value, self._inverse(function.args[0]))
         return value
-
-
-def _joined(left: Denominator, right: Denominator) -> Denominator:
-    if not left or not right:
-        return left or right
-    powers = dict(left)
-    for number, power in right:
-        powers[number] = powers.get(number, 0) + power
-    return tuple(sorted(powers.items()))
-
-
-def _product(left: Pair, right: Pair) -> Pair:
-    (a, b), (c, d) = left, right
-    return a * c - b * d, a * d + b * c

@@ -13,13 +13,11 @@ from sympy import I, exp
 from asymptotics import ClosedForms, exact_string, expand
 from asymptotics.closed_form import symbols
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.linear_numbers import contact_response, contact_response_spectrum, transfer
 from asymptotics.linear_response import (
-    contact_response,
-    contact_response_spectrum,
     difference_equation,
     eliminate,
     harmonic_response,
-    transfer,
     transfer_function,
 )
 from asymptotics.zero_test import are_equal

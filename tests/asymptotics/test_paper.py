@@ -12,7 +12,8 @@ from sympy import Rational, cos, cot, sin
 from asymptotics import ClosedForms, exact_string, expand
 from asymptotics.closed_form import symbols
 from asymptotics.errors import InputError
-from asymptotics.paper import PAPER, Comparison, PaperFormula, compare, printed
+from asymptotics.paper import PAPER, PaperFormula, printed
+from asymptotics.paper_check import Comparison, compare
 from asymptotics.zero_test import are_equal, are_equal_through
 
 NAMES = symbols()

@@ -189,3 +189,9 @@ def test_angles():
     assert angle_of(cos(2 * W * (XI - 1))) == {W: -2, W * XI: 2}
     assert angle_of(exp(-I * W * TAU)) == {W * TAU: -1}
     assert angle_of(sin(W * S / XI)) == {W * S / XI: 1}
+
+
+def test_an_angle_that_is_zero_unseen() -> None:
+    hidden = sympy.cot(sympy.Add(W, -W, evaluate=False), evaluate=False)
+    with pytest.raises(InputError, match="infinite identically"):
+        is_identically_zero(hidden)
