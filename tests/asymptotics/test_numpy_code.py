@@ -263,3 +263,18 @@ def test_large_arrays_are_worked_through_in_blocks(
     for a, b in zip(found, expected, strict=True):
         assert a.shape == shape
         np.testing.assert_array_equal(a, b)
+
+
+def test_cotangents_are_right_next_to_their_poles(modules: dict[int, ModuleType]) -> None:
+    """What the count of roundings assumes: 6 u for the double Ω as it stands, poles included."""
+    rng = random.Random(11)
+    with mp.workdps(50):
+        for _ in range(200):
+            q = rng.randint(1, 6)
+            omega = rng.randint(1, 4 * q) * np.pi / q + rng.choice([-1, 1]) * 10 ** rng.uniform(
+                -13, -1
+            )
+            found = modules[6]._cotangents(np.float64(omega), np)
+            for k, value in enumerate(found, start=1):
+                exact = mpmath.cot(k * mpf(float(omega)))
+                assert abs(value - exact) <= 6 * UNIT * abs(exact)
