@@ -13,9 +13,10 @@ with gcd(p, q) = 1. (The resonances p/1 are the pole of c itself.) An element is
 
 .. math:: \frac{A(Ω, c)}{d \, \prod_q Ψ_q(c)^{m_q}}, \qquad A ∈ ℤ[Ω, c],
 
-unique once d and the content of A are coprime and no Ψ_q with m_q > 0 divides A. Because the Ψ_q
-are irreducible and known beforehand, finding that form takes trial divisions only, never a gcd of
-polynomials; the exponent m_q is the order of the pole at the nonlinear resonances Ω = pπ/q.
+unique once d and the content of A are coprime and no Ψ_q with m_q > 0 divides A. The Ψ_q are known
+beforehand, squarefree and without a common root (and irreducible unless 4 divides q), so finding
+that form takes trial divisions only, never a gcd of polynomials; the exponent m_q is the order of
+the pole at the nonlinear resonances Ω = pπ/q.
 """
 
 from __future__ import annotations

@@ -189,8 +189,11 @@ def _newton(
         c, rho = _corrected(grid, c, rho, stretch, defect, height)
     if best is None:
         return c, rho, history, status
-    # Rounding of the residual: a few units from sin φ, a unit from each sum of log₂ M terms.
-    if best[0] <= (16 + 2 * math.log2(grid.nodes)) * EPS:
+    # Rounding of the residual: a few units from sin φ, a unit from each sum of log₂ M terms, and
+    # what the rounding of ϱ makes of the divisors 4 sin²(kϱ/2), which counts next to a resonance.
+    _, c, rho = best
+    divisors = float(np.abs(2 * grid.k * rho * np.sin(grid.k * rho) * c).max())
+    if best[0] <= (16 + 2 * math.log2(grid.nodes) + divisors / scale) * EPS:
         status = CircleStatus.CONVERGED
     return best[1], best[2], history, status
 

@@ -218,3 +218,18 @@ def test_places_and_times_are_checked():
         state.shape(-0.1, 0.0)
     with pytest.raises(InputError, match="finite times"):
         state.contact(np.nan)
+
+
+@pytest.mark.parametrize("distance", [6.25e-3, 1e-3, -1e-3, 2e-4])
+@pytest.mark.parametrize("share", [0.1, 0.3])
+def test_next_to_a_resonance_rounding_is_not_taken_for_failure(
+    distance: float, share: float
+) -> None:
+    """Well inside the pendulum's separatrix ε = μ²/8 the circle exists, however small μ is."""
+    omega, epsilon = np.pi + distance, share * distance**2 / 8
+    circle = invariant_circle(omega, epsilon)
+    tau = np.linspace(0, 2, 5)
+    contact = circle.contact(tau)
+    slope = circle.slope(contact, tau)
+    # The response is amplified by 1/sin Ω, and so are the roundings of the drive.
+    assert np.abs(slope).max() <= 100 * np.finfo(float).eps / abs(np.sin(omega))
