@@ -77,6 +77,38 @@ def multiply_into(
                 terms.setdefault(0, []).extend((product, ring.conjugate(product)))
 
 
+def both_sides(harmonics: Mapping[int, E], ring: Ring[E]) -> Harmonics[E]:
+    """A real series with its reflected half written out: ``{j: c_j}`` for all j.
+
+    >>> from asymptotics.rings import ComplexRing
+    >>> both_sides({0: 1 + 0j, 2: 3 - 1j}, ComplexRing())
+    {0: (1+0j), 2: (3-1j), -2: (3+1j)}
+    """
+    return dict(harmonics) | {-j: ring.conjugate(c) for j, c in harmonics.items() if j}
+
+
+def folded(harmonics: Mapping[int, E], ring: Ring[E]) -> Harmonics[E]:
+    """The real series f + f̄ of a complex one given on both sides, stored as real ones are.
+
+    >>> from asymptotics.rings import ComplexRing
+    >>> folded({1: 2j, -1: 5 + 1j, 0: 1 + 1j}, ComplexRing())
+    {1: (5+1j), 0: (2+0j)}
+    """
+    terms: Terms[E] = {}
+    for j, c in harmonics.items():
+        terms.setdefault(abs(j), []).append(c if j >= 0 else ring.conjugate(c))
+        if j == 0:
+            terms[0].append(ring.conjugate(c))
+    return collect(terms, ring)
+
+
+def convolve_into(terms: Terms[E], left: Mapping[int, E], right: Mapping[int, E]) -> None:
+    """As :func:`multiply_into` for complex series, given on both sides."""
+    for a, x in left.items():
+        for b, y in right.items():
+            terms.setdefault(a + b, []).append(x * y)
+
+
 def collect(terms: Terms[E], ring: Ring[E], factor: E | None = None) -> Harmonics[E]:
     """Sum the products of each harmonic, times ``factor``; harmonics that vanish are left out."""
     out = {}

@@ -64,8 +64,8 @@ class Problem(Generic[E]):
     mode
         j ↦ :class:`Mode`.
     drive
-        Amplitude of each e^{ijθ}, j > 0, in the driven end's motion, in units of the small
-        parameter (an even drive also has the reflected harmonic).
+        Amplitude of each e^{ijθ}, j ≥ 0, in the driven end's motion, in units of the small
+        parameter; the reflected harmonics are understood.
     inverse_leading
         1/a_m.
     equation_residual
@@ -92,57 +92,42 @@ class Problem(Generic[E]):
     static_end_residual: Callable[[], E] = field(repr=False)
 
 
-def string(ring: Ring[E], omega: E, cot: Callable[[int], E], name: str = "string") -> Problem[E]:
-    r"""The rope without bending (β = 0), driven by ε cos θ with θ = Ωτ.
+def driven_string(
+    name: str,
+    ring: Ring[E],
+    *,
+    stiffness: Callable[[int], E],
+    impedance: Callable[[int], E],
+    source: Callable[[int], E],
+    drive: Mapping[int, E],
+    equation_residual: Callable[[int, Sequence[E]], E],
+    end_residual: Callable[[int, Sequence[E]], E],
+    end_unit: Callable[[int], E],
+) -> Problem[E]:
+    r"""Any string, W_ξξ = k_j² W for harmonic j > 0, held at W = 1 and driven at ξ = 0.
 
-    .. math:: W_{ττ} = W_{ξξ} − 2, \quad W(0, τ) = 1 + ε \cos Ωτ, \quad W = W_ξ = 0
-              \text{ at } ξ_c(τ)
+    With the value v at the static contact point and the amplitude a at the driven end a harmonic is
+    :math:`v (\cos k_js + \cot k_j \sin k_js) - a \sin k_js / \sin k_j`, s = ξ − 1. So all that is
+    needed is
 
-    (the paper's eqs. rope, forcing). The small parameter is ε̂ = ε/sin Ω, which keeps every
-    coefficient in ℚ[Ω, cot Ω, cot 2Ω, …]. With v = w(1) a harmonic is
-    v (cos jΩs + cot jΩ sin jΩs), s = ξ − 1; the mean is vξ; the drive adds −sin Ωs.
+    * ``stiffness``: j ↦ k_j²,
+    * ``impedance``: j ↦ k_j cot k_j, the slope per unit value,
+    * ``source``: j ↦ k_j/sin k_j, minus the slope per unit of ``drive``.
 
-    Parameters
-    ----------
-    ring, omega, cot
-        Any commutative ring over the rationals, Ω in it, and j ↦ cot jΩ in it.
+    The mean, j = 0, is their limit k → 0: 0, 1, 1. Both residuals and ``end_unit`` are asked for
+    j > 0 only.
     """
-
-    @cache
-    def times(j: int) -> E:
-        return ring.sum([ring.rational(j) * omega])
+    one, minus = ring.one, ring.rational(-1)
 
     @cache
     def mode(j: int) -> Mode[E]:
         if j == 0:
-            return Mode(
-                (ring.zero, ring.zero), ((ring.one, ring.one),), (ring.zero, ring.rational(-1))
-            )
-        rate = times(j)
-        stiffness = ring.sum([ring.rational(-1) * rate * rate])
-        # Unit amplitude of W(0) per unit of ε̂ is sin Ω; only the drive's own harmonic is used.
+            return Mode((ring.zero, ring.zero), ((one, one),), (ring.zero, minus))
         return Mode(
-            (stiffness, ring.zero),
-            ((ring.one, ring.sum([rate * cot(j)])),),
-            (ring.zero, ring.rational(-1) * rate),
+            (ring.sum([minus * stiffness(j)]), ring.zero),
+            ((one, impedance(j)),),
+            (ring.zero, ring.sum([minus * source(j)])),
         )
-
-    def equation_residual(j: int, w: Sequence[E]) -> E:
-        rate = times(j)
-        return ring.sum([w[2], rate * rate * w[0]])
-
-    def end_residual(j: int, w: Sequence[E]) -> E:
-        # W(0) of harmonic j is w cos jΩ − w′ sin(jΩ)/(jΩ); over sin^j Ω the two circular functions
-        # are the real and imaginary part of (c + i)^j, so that cot jΩ itself is not used.
-        if j == 0:
-            return ring.sum([w[0], ring.rational(-1) * w[1]])
-        c, cosine, sine = cot(1), ring.one, ring.zero
-        for _ in range(j):
-            cosine, sine = (
-                ring.sum([c * cosine, ring.rational(-1) * sine]),
-                ring.sum([cosine, c * sine]),
-            )
-        return ring.sum([times(j) * cosine * w[0], ring.rational(-1) * sine * w[1]])
 
     return Problem(
         name=name,
@@ -151,14 +136,78 @@ def string(ring: Ring[E], omega: E, cot: Callable[[int], E], name: str = "string
         static=lambda d: ring.rational(2) if d == 2 else ring.zero,
         static_reduction=(ring.zero, ring.zero, ring.zero),
         mode=mode,
-        drive={1: ring.rational(1, 2)},
+        drive=drive,
         inverse_leading=ring.rational(1, 2),
-        equation_residual=equation_residual,
-        end_residual=end_residual,
-        end_unit=lambda j: omega,
+        equation_residual=lambda j, w: equation_residual(j, w) if j else w[2],
+        end_residual=lambda j, w: (
+            end_residual(j, w) if j else ring.sum([w[0], ring.rational(-1) * w[1]])
+        ),
+        end_unit=lambda j: end_unit(j) if j else ring.one,
         load=ring.rational(2),
         # (ξ − 1)² at ξ = 0 is a₂/2, and the driven end is held at 1.
         static_end_residual=lambda: ring.sum([ring.rational(2, 2), ring.rational(-1)]),
+    )
+
+
+def string(
+    ring: Ring[E],
+    omega: E,
+    cot: Callable[[int], E],
+    name: str = "string",
+    drive: Mapping[int, E] | None = None,
+) -> Problem[E]:
+    r"""The rope without bending (β = 0), driven by ε ΔZ(θ) with θ = Ωτ.
+
+    .. math:: W_{ττ} = W_{ξξ} − 2, \quad W(0, τ) = 1 + ε ΔZ, \quad W = W_ξ = 0
+              \text{ at } ξ_c(τ)
+
+    (the paper's eqs. rope, forcing). For its ΔZ = cos θ, the default, the small parameter is
+    ε̂ = ε/sin Ω, which keeps every coefficient in ℚ[Ω, cot Ω, cot 2Ω, …].
+
+    Parameters
+    ----------
+    ring, omega, cot
+        Any commutative ring over the rationals, Ω in it, and j ↦ cot jΩ in it.
+    drive
+        For another ΔZ = Σ a_j e^{ijθ}: the scaled amplitudes A_j = a_j/sin jΩ for j > 0, and
+        A₀ = a₀. The small parameter is then ε itself.
+    """
+
+    @cache
+    def times(j: int) -> E:
+        return ring.sum([ring.rational(j) * omega])
+
+    def circular(j: int) -> tuple[E, E]:
+        # (cos jΩ, sin jΩ)/sin^j Ω are the real and imaginary part of (c + i)^j, so that cot jΩ
+        # itself is not used.
+        c, cosine, sine = cot(1), ring.one, ring.zero
+        for _ in range(j):
+            cosine, sine = (
+                ring.sum([c * cosine, ring.rational(-1) * sine]),
+                ring.sum([cosine, c * sine]),
+            )
+        return cosine, sine
+
+    def equation_residual(j: int, w: Sequence[E]) -> E:
+        rate = times(j)
+        return ring.sum([w[2], rate * rate * w[0]])
+
+    def end_residual(j: int, w: Sequence[E]) -> E:
+        # W(0) of harmonic j is w cos jΩ − w′ sin(jΩ)/(jΩ).
+        cosine, sine = circular(j)
+        return ring.sum([times(j) * cosine * w[0], ring.rational(-1) * sine * w[1]])
+
+    return driven_string(
+        name,
+        ring,
+        stiffness=lambda j: times(j) * times(j),
+        impedance=lambda j: ring.sum([times(j) * cot(j)]),
+        # The amplitude at the driven end is A_j sin jΩ.
+        source=times,
+        drive={1: ring.rational(1, 2)} if drive is None else drive,
+        equation_residual=equation_residual,
+        end_residual=end_residual,
+        end_unit=lambda j: ring.sum([times(j) * circular(j)[1]]),
     )
 
 
@@ -228,11 +277,11 @@ def check_frequency(omega: float, order: int) -> float:
         nearest = round(q * value / math.pi)
         if nearest and abs(math.sin(q * value)) <= 2.0**-26 * max(1.0, q * value):
             p, reduced = nearest // math.gcd(nearest, q), q // math.gcd(nearest, q)
+            lower = f", or ask for an order below {reduced}" if reduced > 1 else ""
             raise ResonanceError(
                 f"Omega = {value!r} is numerically at the resonance p/q = {p}/{reduced} "
-                f"(Omega = {p}π/{reduced} = {p * math.pi / reduced:.15g}), where the expansion of "
-                f"order {order} ≥ q has a pole; move Omega away, or ask for an order below "
-                f"{reduced}",
+                f"(Omega = pπ/q = {p * math.pi / reduced:.15g}), where an expansion of order "
+                f"{reduced} or more has a pole; move Omega away{lower}",
                 p,
                 reduced,
             )

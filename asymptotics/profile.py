@@ -14,6 +14,9 @@ non-zero derivative below r at 0 is ∂^l φ = 1,
 .. math:: W(ξ_c + s, τ) = \sum_l G_l(θ) φ_l(s) + \sum_k \sum_l G_{k,l}(θ) φ_{k,l}(s),
 
 the first sum being the static shape's.
+
+Where the ring is not even in time, φ_{k,l} may be complex; the sum over k > 0 is then understood
+with its complex conjugate added, and its G_{k,l} are complex functions of θ, stored for j < 0 too.
 """
 
 from __future__ import annotations
@@ -23,7 +26,15 @@ from dataclasses import dataclass
 from typing import Generic
 
 from asymptotics.expansion import Expansion, Progress, derivative_towers
-from asymptotics.harmonics import Harmonics, Terms, collect, multiply_into
+from asymptotics.harmonics import (
+    Harmonics,
+    Terms,
+    both_sides,
+    collect,
+    convolve_into,
+    folded,
+    multiply_into,
+)
 from asymptotics.rings import E, Ring
 
 Series = list[Harmonics[E]]
@@ -39,7 +50,7 @@ class MovingFrame(Generic[E]):
     static
         ``static[l][n]``: Fourier coefficients of G_l at order n.
     modes
-        ``modes[k][l][n]``: the same of G_{k,l}.
+        ``modes[k][l][n]``: the same of G_{k,l}; on both sides when k > 0 and the ring is not even.
     """
 
     expansion: Expansion[E]
@@ -48,11 +59,13 @@ class MovingFrame(Generic[E]):
 
     def slope_at_contact(self, l: int, n: int) -> Harmonics[E]:  # noqa: E741
         """∂^l W at s = 0, order n; l below every r."""
+        ring = self.expansion.problem.ring
         terms: Terms[E] = {}
-        for series in (self.static, *self.modes.values()):
-            for j, c in series[l][n].items():
+        for k, series in ((0, self.static), *self.modes.items()):
+            real = series[l][n] if k == 0 or ring.even else folded(series[l][n], ring)
+            for j, c in real.items():
                 terms.setdefault(j, []).append(c)
-        return collect(terms, self.expansion.problem.ring)
+        return collect(terms, ring)
 
 
 def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> MovingFrame[E]:
@@ -82,15 +95,15 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
         k: tuple([] for _ in range(shift.degree)) for k, shift in shifts.items()
     }
     for n in range(last + 1):
-        deltas = [expansion.contact(i) for i in range(1, n + 1)]
+        deltas = [_stored(expansion.contact(i), ring) for i in range(1, n + 1)]
         static_shift.advance(deltas)
         for l in range(R):  # noqa: E741
             terms: Terms[E] = {}
             for i in range(R):
                 value = problem.static(l + i)
                 if not ring.is_zero(value):
-                    multiply_into(terms, static_shift.series[i][n], {0: value}, ring)
-            static[l].append(collect(terms, ring))
+                    _multiply_into(terms, static_shift.series[i][n], {0: value}, ring)
+            static[l].append(_half(collect(terms, ring)))
         for k, shift in shifts.items():
             shift.advance(deltas)
             for l, series in enumerate(modes[k]):  # noqa: E741
@@ -102,11 +115,28 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
                         value = derivative(source, k, l + i)
                         if not ring.is_zero(value):
                             factor = shift.series[i][n - source]
-                            multiply_into(terms, factor, {k: value}, ring)
-                series.append(collect(terms, ring))
+                            _multiply_into(terms, factor, {k: value}, ring)
+                series.append(_half(collect(terms, ring)) if k == 0 else collect(terms, ring))
         if progress is not None and n:
             progress(n)
     return MovingFrame(expansion, static, modes)
+
+
+def _stored(harmonics: Harmonics[E], ring: Ring[E]) -> Harmonics[E]:
+    """A real series as the products below want it: both sides where they may be complex."""
+    return harmonics if ring.even else both_sides(harmonics, ring)
+
+
+def _multiply_into(terms: Terms[E], left: Harmonics[E], right: Harmonics[E], ring: Ring[E]) -> None:
+    if ring.even:
+        multiply_into(terms, left, right, ring)
+    else:
+        convolve_into(terms, left, right)
+
+
+def _half(harmonics: Harmonics[E]) -> Harmonics[E]:
+    """The stored half of a real series."""
+    return {j: c for j, c in harmonics.items() if j >= 0}
 
 
 class _Shift(Generic[E]):
@@ -133,10 +163,10 @@ class _Shift(Generic[E]):
                 weight = ring.rational(k, n)
                 rate = {j: weight * c for j, c in deltas[k - 1].items()}
                 if i > 0:
-                    multiply_into(terms, rate, self.series[i - 1][n - k], ring)
+                    _multiply_into(terms, rate, self.series[i - 1][n - k], ring)
                 if not ring.is_zero(self.reduction[i]):
                     rate = {j: c * self.reduction[i] for j, c in rate.items()}
-                    multiply_into(terms, rate, self.series[-1][n - k], ring)
+                    _multiply_into(terms, rate, self.series[-1][n - k], ring)
             new.append(collect(terms, ring))
         for series, values in zip(self.series, new, strict=True):
             series.append(values)

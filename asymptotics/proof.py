@@ -12,8 +12,9 @@ Four statements are checked for every order, over the exact ring identically in 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Generic
 
 from asymptotics.errors import RopewaveError
 from asymptotics.expansion import Expansion, Progress, derivative_towers
@@ -114,16 +115,33 @@ def _prove_static(expansion: Expansion[E], frame: MovingFrame[E]) -> OrderProof:
     )
 
 
-def _prove_order(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> OrderProof:
-    problem = expansion.problem
-    ring, shape, contact = problem.ring, expansion.shape(n), expansion.contact(n)
+@dataclass(frozen=True)
+class Residuals(Generic[E]):
+    """What order n leaves of each statement, as ring elements; see :func:`residuals`."""
 
-    def vanish(elements: Iterable[E]) -> bool:
-        return all(ring.is_zero(element) for element in elements)
+    equation: tuple[E, ...]
+    driven_end: tuple[E, ...]
+    contact: tuple[E, ...]
 
+    def __iter__(self) -> Iterator[E]:
+        return iter((*self.equation, *self.driven_end, *self.contact))
+
+
+def residuals(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> Residuals[E]:
+    """Order n ≥ 1 substituted into the equation, the driven end and the contact conditions.
+
+    Zero over an exact ring; over balls each contains zero, and its radius is the bound; over
+    floating-point numbers they are roundings.
+
+    >>> from asymptotics import exact_string, expand, moving_frame
+    >>> solution = expand(exact_string(), order=2)
+    >>> set(residuals(solution, moving_frame(solution), 2))
+    {(0)}
+    """
+    problem, shape = expansion.problem, expansion.shape(n)
     derivative = derivative_towers(expansion)
     depth = expansion.order - n + problem.contact_order
-    equation = vanish(
+    equation = tuple(
         problem.equation_residual(j, [derivative(n, j, d + i) for i in range(len(start) + 1)])
         for j, start in shape.items()
         for d in range(depth)
@@ -132,17 +150,30 @@ def _prove_order(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> Orde
     for j, start in shape.items():
         residual = [problem.end_residual(j, start)]
         if n == 1 and j in problem.drive:
-            minus = ring.rational(-1) * problem.drive[j]
+            minus = problem.ring.rational(-1) * problem.drive[j]
             residual.append(minus * problem.end_unit(j))
-        ends.append(ring.sum(residual))
-    closed = not any(frame.slope_at_contact(e, n) for e in range(problem.contact_order))
+        ends.append(problem.ring.sum(residual))
+    contact = tuple(
+        c for e in range(problem.contact_order) for c in frame.slope_at_contact(e, n).values()
+    )
+    return Residuals(equation, tuple(ends), contact)
+
+
+def _prove_order(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> OrderProof:
+    problem = expansion.problem
+    ring, contact = problem.ring, expansion.contact(n)
+    left = residuals(expansion, frame, n)
+
+    def vanish(elements: Iterable[E]) -> bool:
+        return all(ring.is_zero(element) for element in elements)
+
     wanted = reachable(list(problem.drive), n)
-    present = {j for j, c in contact.items() if not ring.is_zero(c)} & set(shape)
+    present = {j for j, c in contact.items() if not ring.is_zero(c)} & set(expansion.shape(n))
     return OrderProof(
         n=n,
-        equation=equation,
-        driven_end=vanish(ends),
-        contact=closed,
+        equation=vanish(left.equation),
+        driven_end=vanish(left.driven_end),
+        contact=vanish(left.contact),
         missing=tuple(sorted(wanted - present)),
         harmonics=tuple(sorted(present)),
     )

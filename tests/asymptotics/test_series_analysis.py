@@ -1,0 +1,246 @@
+"""Singularities of the ε-series: known functions, predicted poles, rounding, the golden circle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from flint import arb, arb_poly
+
+from asymptotics import expand, float_string
+from asymptotics.balls import at_precision, ball_string, frequency
+from asymptotics.errors import InputError
+from asymptotics.lindstedt import break_up, lindstedt
+from asymptotics.series_analysis import (
+    SeriesAnalysis,
+    analyse_series,
+    harmonic_series,
+    pade_estimates,
+    pade_poles,
+    ratio_estimate,
+    resonance_pole,
+    rotation_shift,
+)
+
+EPS = 2.0**-52
+GOLDEN = math.pi * (math.sqrt(5) - 1) / 2  # Ω with 2Ω/2π the golden mean
+FIBONACCI = [21, 34, 55, 89, 144, 233]
+BREAK_UP = 0.971635  # J. M. Greene, J. Math. Phys. 20 (1979) 1183
+
+
+@pytest.fixture(scope="module")
+def golden() -> SeriesAnalysis:
+    return analyse_series(GOLDEN, 60)
+
+
+def power_series(place: float, exponent: float, count: int) -> np.ndarray:
+    """Coefficients of (1 − x/place)^{−exponent}."""
+    c = [1.0]
+    for i in range(1, count):
+        c.append(c[-1] * (exponent + i - 1) / i / place)
+    return np.array(c)
+
+
+@pytest.mark.parametrize(("place", "exponent"), [(2.0, 1.0), (-0.3, 0.5), (5.0, -1.5), (1.0, 3.0)])
+def test_ratios_find_a_pure_power_exactly(place: float, exponent: float) -> None:
+    found = ratio_estimate(power_series(place, exponent, 20))
+    # i r_i − (i − 1) r_{i−1} multiplies roundings by 2i = 40, i (r/… − 1) once more by i.
+    assert abs(found.position - place) <= 64 * 40 * EPS * abs(place)
+    assert abs(found.exponent - exponent) <= 20 * 64 * 40 * EPS
+    assert found.error <= 64 * 40 * EPS * abs(place)
+
+
+def test_ratios_converge_and_their_spread_is_honest() -> None:
+    """A second power behind the first: the error falls faster than 1/i, like the spread."""
+    errors = []
+    for count in (12, 24, 48):
+        series = power_series(2.0, 0.5, count) + power_series(2.0, -0.7, count)
+        found = ratio_estimate(series)
+        errors.append(abs(found.position - 2))
+        assert errors[-1] <= 20 * found.error
+    assert errors[0] > 2 * errors[1] > 4 * errors[2] > 0
+
+
+def test_competing_singularities_show_as_a_large_error() -> None:
+    found = ratio_estimate(power_series(1.0, 1.0, 20) + power_series(-1.05, 1.0, 20))
+    assert found.error > abs(found.position)
+
+
+def test_pade_finds_all_poles_of_a_rational_function() -> None:
+    places = [0.8, -1.1, 1.7]
+    series = sum(power_series(p, 1.0, 24) for p in places)
+    assert pade_poles(series, 2, 3) == pytest.approx(places, rel=1e4 * EPS)
+    entire = np.array([1 / math.factorial(i) for i in range(24)])
+    found = pade_estimates(series + entire)
+    assert [f.position.real for f in found[:3]] == pytest.approx(places, rel=1e-6)
+    assert all(f.error >= 0 for f in found)
+
+
+def test_pade_ignores_noise() -> None:
+    rng = np.random.default_rng(3)
+    series = power_series(0.8, 1.0, 24) * (1 + 1e-12 * rng.standard_normal(24))
+    near = [f for f in pade_estimates(series) if abs(f.position) < 2]
+    assert len(near) == 1
+    assert near[0].position == pytest.approx(0.8, rel=1e-9)
+
+
+# -- at fixed Ω ------------------------------------------------------------------------------------
+
+
+def test_doubles_against_balls() -> None:
+    """N³ products of an order's size enter it; at order 60 eleven digits are left, see order 30."""
+    order = 30
+    numbers = expand(float_string(GOLDEN, order), order)
+    with at_precision(256):
+        balls = expand(ball_string(GOLDEN), order)
+        sine = frequency(GOLDEN).ball().sin()
+    worst = []
+    for n in range(1, order + 1):
+        scale = max(abs(c) for c in numbers.contact(n).values())
+        for j, ball in balls.contact(n).items():
+            assert ball.rad() < 1e-30 * abs(ball)
+            worst.append(float(abs(ball - numbers.contact(n)[j]).mid()) / scale)
+    assert max(worst) <= order**3 * EPS
+    assert max(worst) > EPS
+    series = harmonic_series(numbers, GOLDEN, 14)
+    known = float((2 * balls.contact(14)[14] / sine**14).mid())
+    assert series[0] == pytest.approx(known, rel=order**3 * EPS)
+
+
+@pytest.mark.parametrize(("p", "q"), [(2, 9), (4, 9), (3, 11)])
+def test_poles_are_where_the_shifted_resonance_is(p: int, q: int) -> None:
+    """ε_q² of the leading order is met up to a relative O(μ) as μ = Ω − pπ/q → 0.
+
+    Below order 3q the resonant harmonic does not act on itself yet, and the pole is simple.
+    """
+    defects = []
+    for mu in (1e-3, 5e-4, 2.5e-4):
+        omega = p * math.pi / q + mu
+        order = q + 2 * (q - 1)
+        series = harmonic_series(expand(float_string(omega, order), order), omega, q)
+        found = ratio_estimate(series, q)
+        defects.append(abs(found.position / resonance_pole(omega, q) - 1))
+    assert defects[-1] < 0.05
+    assert defects[0] > 1.5 * defects[1] > 2.25 * defects[2] > 0
+
+
+def test_the_golden_series_diverges_by_its_resonances(golden: SeriesAnalysis) -> None:
+    """Harmonic 34 (34Ω = 21π + 0.041) has a simple pole at ε² < 0, half as far as the break-up."""
+    ratios = {f.harmonic: f for f in golden.singularities if f.method == "ratio"}
+    ratio = ratios[34]
+    assert ratio.position.real < 0
+    assert ratio.error < 1e-3 * abs(ratio.position)
+    assert abs(ratio.exponent - 1) < 0.01
+    assert ratio.position.real == pytest.approx(resonance_pole(GOLDEN, 34), rel=0.2)
+    nearest = golden.nearest
+    assert nearest is not None
+    assert abs(nearest.position - ratio.position) < 0.02 * abs(ratio.position)
+    circle = BREAK_UP / (2 * GOLDEN**2)
+    assert math.sqrt(abs(nearest.position)) < 0.5 * circle
+    # The root test passes the break-up of the circle and goes on falling.
+    assert golden.growth[59] < circle < golden.growth[39]
+    assert list(golden.growth[35::4]) == sorted(golden.growth[35::4], reverse=True)
+    shown = golden.as_json()
+    assert shown["nearest"]["epsilon"] == math.sqrt(abs(nearest.position))
+    assert shown["resonances"][1][0] == 34
+
+
+def test_rotation_shift_from_the_lindstedt_series() -> None:
+    """ϱ = 2Ω + γε² from the mean height on the circle: ⟨D(1 + U′)⟩ϱ/Ω = ⟨D²⟩ + 1 + ε⟨cos φ⟩."""
+    omega = 0.83
+    defects = []
+    for epsilon in (0.01, 0.005):
+        rotation = 2 * omega + rotation_shift(omega) * epsilon**2
+        strength = 2 * epsilon * omega**2
+        orders = lindstedt(rotation, 8)
+        u = (strength ** np.arange(9)[:, None] * orders).sum(axis=0)
+        spectrum = np.fft.rfft(u)
+        k = np.arange(spectrum.size)
+        ahead = np.fft.irfft(spectrum * np.exp(1j * k * rotation), u.size)
+        stretch = 1 + np.fft.irfft(1j * k * spectrum, u.size)
+        d = (rotation + ahead - u) / (2 * omega)
+        psi = 2 * np.pi * np.arange(u.size) / u.size
+        height = rotation / omega * np.mean(d * stretch)
+        defects.append(
+            abs(height - np.mean(d**2) - 1 - epsilon * np.mean(np.cos(psi + u))) / epsilon**2
+        )
+    # What the next order leaves falls like ε² after division by ε².
+    assert defects[0] > 1e-7
+    assert math.log2(defects[0] / defects[1]) == pytest.approx(2, abs=0.05)
+
+
+# -- at fixed rotation number ----------------------------------------------------------------------
+
+
+def exact_lindstedt(rotation: arb, order: int) -> list[list[arb]]:
+    """A second method in balls: Fourier coefficients instead of nodes. Row n: the sines of U_n."""
+    divisors = [None] + [-4 * (k * rotation / 2).sin() ** 2 for k in range(1, order + 1)]
+    wave, rates, rows = [arb_poly([0, 1])], [arb_poly([])], [[]]
+    for n in range(1, order + 1):
+        c = [wave[-1][i] for i in range(2 * n)] + [arb(0)] * 2
+        middle = n - 1
+        sines = [arb(0)]
+        for k in range(1, n + 1):
+            low = c[middle - k] if k <= middle else arb(0)
+            sines.append(-(c[middle + k] - low) / divisors[k])
+        rows.append(sines)
+        half = [s / 2 for s in sines]
+        rates.append(arb_poly([-h for h in half[:0:-1]] + [arb(0)] + half[1:]) * n)
+        total = sum((rates[m] * wave[n - m] for m in range(1, n + 1)), arb_poly([]))
+        wave.append(total * (arb(1) / n))
+    return rows
+
+
+def test_lindstedt_against_balls() -> None:
+    order = 60
+    with at_precision(256):
+        exact = exact_lindstedt(arb(GOLDEN) * 2, order)
+    found = lindstedt(2 * GOLDEN, order)
+    sines = -2 * np.fft.rfft(found, axis=1).imag / found.shape[1]
+    for n in range(1, order + 1):
+        scale = max(float(abs(x).mid()) for x in exact[n])
+        for k in range(1, n + 1):
+            # n products an order, over up to n orders, each divided by small divisors ≥ 1/n².
+            assert abs(sines[n, k] - float(exact[n][k].mid())) <= n**4 * EPS * scale
+    assert scale > 0
+
+
+def test_the_circle_is_met() -> None:
+    """The truncated sum leaves K^{N+1} in the map."""
+    rotation, order = 1.66, 6
+    orders = lindstedt(rotation, order)
+    shift = np.exp(1j * np.arange(orders.shape[1] // 2 + 1) * rotation)
+    psi = 2 * np.pi * np.arange(orders.shape[1]) / orders.shape[1]
+    left = []
+    for strength in (0.2, 0.1):
+        u = (strength ** np.arange(order + 1)[:, None] * orders).sum(axis=0)
+        spectrum = np.fft.rfft(u)
+        second = np.fft.irfft(spectrum * (shift - 2 + shift.conj()), u.size)
+        left.append(abs(second + strength * np.sin(psi + u)).max())
+    assert left[1] > 1e3 * EPS
+    assert math.log2(left[0] / left[1]) == pytest.approx(order + 1, abs=0.3)
+
+
+def test_the_golden_circle_breaks_up_where_it_is_known_to() -> None:
+    found = break_up(FIBONACCI, 2 * GOLDEN)
+    assert abs(found.radius - BREAK_UP) <= found.error < 0.02
+    # The diagonal's own radius is another number: the estimate does not mistake one for the other.
+    assert found.diagonal > found.radius + 0.005
+    assert len(found.extrapolations) == 3
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ratio_estimate([1.0] * 7), "7 coefficients are too few"),
+        (lambda: pade_estimates([1.0] * 7), "7 coefficients are too few"),
+        (lambda: analyse_series(0.83, 10), "order = 10 gives too few"),
+        (lambda: break_up([1, 2, 3], 1.0), "at least six"),
+        (lambda: break_up([1, 2, 3, 5, 8, 7], 1.0), "increasing"),
+        (lambda: lindstedt(-1.0, 3), "must be positive"),
+    ],
+)
+def test_bad_input(call, message: str) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError, match=message):
+        call()
