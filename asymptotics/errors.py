@@ -15,12 +15,12 @@ class InputError(RopewaveError, ValueError):
 
 
 class ResonanceError(InputError):
-    """A frequency at, or numerically at, a resonance Ω = pπ/q.
+    """A frequency at, or numerically at, a resonance Ω = pπ/q (with bending, Ω_p(β)/q).
 
     Attributes
     ----------
     p, q : int
-        The resonance, in lowest terms.
+        The resonance; in lowest terms for the string, where p/q and 2p/2q are the same pole.
     """
 
     def __init__(self, message: str, p: int, q: int) -> None:

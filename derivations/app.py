@@ -14,7 +14,16 @@ from typing import Annotated, Any
 
 import typer
 
+from derivations import resonance_commands
 from derivations.clash import find_clash
+from derivations.options import (
+    JsonOption,
+    OrderOption,
+    PlotOption,
+    number_of,
+    numbers_of,
+    order_of,
+)
 
 app = typer.Typer(
     add_completion=False,
@@ -29,14 +38,6 @@ GOLDEN = 1.941611038725466
 # Longer texts stay in their files when there are files; the screen gets the proofs.
 SCREEN = 20_000
 
-# Numbers arrive as text, so that all wrong input is answered by the same checks as in Python.
-Order = Annotated[str, typer.Option("--order", "-N", metavar="N", help="Highest power of ε.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-Plot = Annotated[
-    Path | None,
-    typer.Option(help="Draw the profile over one period and ξ_c(t): .png, .pdf or .svg."),
-]
-
 
 def cache_folder() -> Path:
     """Where derivations are kept: ROPEWAVE_CACHE, or the user's cache folder."""
@@ -50,7 +51,7 @@ def cache_folder() -> Path:
 
 @app.command()
 def derive(
-    order: Order = "4",
+    order: OrderOption = "4",
     format: Annotated[
         str | None, typer.Option(help="text, latex, numpy or json; without it all, or text.")
     ] = None,
@@ -61,11 +62,11 @@ def derive(
     column: Annotated[str, typer.Option(help="LaTeX lines for a two- or one-column page.")] = (
         "two"
     ),
-    plot: Plot = None,
+    plot: PlotOption = None,
     omega: Annotated[str, typer.Option(metavar="Ω", help="Ω of the plot.")] = str(GOLDEN),
     epsilon: Annotated[str, typer.Option(metavar="ε", help="ε of the plot.")] = "0.1",
     cache: Annotated[bool, typer.Option(help="Keep and reuse derivations.")] = True,
-    as_json: Json = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
     from derivations.formats import FORMATS, render, write_files
@@ -73,12 +74,12 @@ def derive(
     from derivations.progress import progress
 
     formats = _formats(format, out, FORMATS)
-    N = _order(order)
+    N = order_of(order)
     written: list[Path] = []
     if plot is not None:  # first: it is quick, and knows whether Ω and ε make sense
         from derivations.plots import plot_period
 
-        plot_period(_number("--omega", omega), _number("--epsilon", epsilon), N, plot)
+        plot_period(number_of("--omega", omega), number_of("--epsilon", epsilon), N, plot)
         written.append(plot)
     forms, proofs = _derivation(N, style, column, cache, quiet=as_json)
     if out is not None:
@@ -114,14 +115,13 @@ def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -
     """Closed forms and their proofs; arguments are checked before any long work."""
     from asymptotics.closed_form import ClosedForms, check_style
     from asymptotics.errors import InputError
-    from asymptotics.expansion import check_order, expand
+    from asymptotics.expansion import expand
     from asymptotics.problem import exact_string
     from asymptotics.profile import moving_frame
     from asymptotics.proof import prove
     from asymptotics.storage import derive as derive_saved
     from derivations.progress import progress
 
-    check_order(order)
     check_style(style)
     if column not in ("one", "two"):
         raise InputError(f"--column {column!r}: choose one or two")
@@ -141,19 +141,19 @@ def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -
 def evaluate(
     omega: Annotated[str, typer.Option(metavar="Ω", help="Ω = ωx₀/c.")],
     epsilon: Annotated[str, typer.Option(metavar="ε", help="Forcing amplitude, units of Z₀.")],
-    order: Order = "4",
+    order: OrderOption = "4",
     s: Annotated[str, typer.Option(help="Positions (x − x_c)/x₀ ≤ 0, comma-separated.")] = (
         "-1,-0.75,-0.5,-0.25,0"
     ),
     tau: Annotated[str, typer.Option(help="Times ct/x₀, comma-separated.")] = "0",
-    plot: Plot = None,
-    as_json: Json = False,
+    plot: PlotOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Evaluate ξ_c and w/Z₀: the series in ε truncated at order N."""
     from asymptotics.evaluate import evaluate as compute
 
-    point = (_number("--omega", omega), _number("--epsilon", epsilon), _order(order))
-    result = compute(*point, _numbers("--s", s), _numbers("--tau", tau))
+    point = (number_of("--omega", omega), number_of("--epsilon", epsilon), order_of(order))
+    result = compute(*point, numbers_of("--s", s), numbers_of("--tau", tau))
     if plot is not None:
         from derivations.plots import plot_period
 
@@ -180,38 +180,9 @@ def evaluate(
         print(f"wrote {plot}", file=sys.stderr)
 
 
-def _order(text: str) -> int:
-    from asymptotics.expansion import check_order
-
-    try:
-        order: int | str = int(text)
-    except ValueError:
-        order = text
-    return check_order(order)
-
-
-def _number(option: str, text: str) -> float:
-    values = _numbers(option, text)
-    if len(values) > 1:
-        from asymptotics.errors import InputError
-
-        raise InputError(f"{option} {text!r}: give one number")
-    return values[0]
-
-
-def _numbers(option: str, text: str) -> list[float]:
-    from asymptotics.errors import InputError
-
-    parts = [part for part in text.replace(",", " ").split() if part]
-    try:
-        values = [float(part) for part in parts]
-    except ValueError:
-        raise InputError(
-            f"{option} {text!r}: not a number; several are separated by commas: 0.1,0.2"
-        ) from None
-    if not values:
-        raise InputError(f"{option} is empty: give at least one number")
-    return values
+app.command()(resonance_commands.resonances)
+app.command()(resonance_commands.tongue)
+app.command()(resonance_commands.fold)
 
 
 @app.command()

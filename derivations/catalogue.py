@@ -9,15 +9,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from asymptotics.beam_latex import beam_latex
+from asymptotics.beam_numpy import beam_numpy
+from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.closed_form import STYLES, ClosedForms
 from asymptotics.expansion import expand
 from asymptotics.problem import exact_string
 from asymptotics.profile import moving_frame
 from asymptotics.proof import prove
+from asymptotics.static_shape import DRIVEN_ENDS
 from derivations.formats import FORMATS, render
 
 GENERATED = Path(__file__).parent / "generated"
 ORDER = 4
+BEAM_ORDER = 3
 COLUMNS = ("two", "one")
 
 
@@ -50,6 +55,12 @@ CATALOGUE = (
         "asymptotics.closed_form.ClosedForms.profile",
         ("profile.tex", "string-order4.txt", "string_order4.py", "string-order4.json"),
     ),
+    FormulaSet(
+        "bending: ξ_c and w with impedances",
+        ("beam2", "BC3"),
+        "asymptotics.beam_symbolic.expand_symbolic",
+        ("beam-order3-pinned.tex", "beam_order3_pinned.py"),
+    ),
 )
 
 
@@ -69,6 +80,17 @@ def artefacts() -> dict[str, str]:
                         files[f"{folder}/{name}"] = text
             elif style == "cotangent":
                 files.update(render(forms, proofs, format))
+    files.update(_beam_artefacts())
+    return files
+
+
+def _beam_artefacts() -> dict[str, str]:
+    expansion = expand_symbolic(BEAM_ORDER)
+    prove(expansion)
+    files = {}
+    for end in DRIVEN_ENDS:
+        files[f"beam-order{BEAM_ORDER}-{end}.tex"] = beam_latex(expansion, end)
+        files[f"beam_order{BEAM_ORDER}_{end}.py"] = beam_numpy(expansion, end)
     return files
 
 

@@ -39,7 +39,7 @@ def save_figure(figure: Any, path: Path) -> None:
 
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with rc_context(_style()):
+        with rc_context(figure_style()):
             replace_file(
                 path,
                 lambda part: figure.savefig(part, format=suffix[1:], dpi=200, metadata=metadata),
@@ -71,7 +71,8 @@ def _positive(value: Any) -> bool:
         return False
 
 
-def _style() -> Any:
+def figure_style() -> Any:
+    """What all figures share: sizes for print, light axes, deterministic SVG."""
     return {
         "font.size": 9,
         "axes.spines.top": False,
@@ -88,7 +89,7 @@ def _period_figure(result: Evaluation, period: float) -> Any:
     from matplotlib import colormaps, rc_context
     from matplotlib.figure import Figure
 
-    with rc_context(_style()):
+    with rc_context(figure_style()):
         figure = Figure(figsize=(7.0, 2.9), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
         colours = colormaps["cividis"](np.linspace(0.0, 0.9, len(_PHASES)))

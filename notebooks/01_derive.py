@@ -115,8 +115,6 @@ for time, place, row in zip(tau[:, 0], x_c[:, 0], w, strict=True):
     axes.plot((place + s)[lifted], row[lifted], label=f"{omega * time / (2 * np.pi):.3f}")
 axes.set(xlabel=r"position $x/x_0$", ylabel=r"height $w/Z_0$")
 axes.legend(title=r"time $\omega t/2\pi$", frameon=False)
-figure
-
 # %% [markdown]
 # How far can these numbers be trusted? Rounding is bounded by `profile_error`; truncation is not
 # small print either. The exact periodic state of the string is an invariant circle of the standard
