@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from asymptotics.checks import axis, finite_number
 from asymptotics.errors import InputError, OrderingError
 from asymptotics.expansion import Expansion, check_order, expand
 from asymptotics.problem import float_string
@@ -82,8 +83,8 @@ def evaluate(
     order = check_order(order)
     problem = float_string(omega, order)
     omega = float(omega)
-    epsilon = _finite("epsilon", epsilon)
-    positions, times = _axis("s", s), _axis("tau", tau)
+    epsilon = finite_number("epsilon", epsilon)
+    positions, times = axis("s", s), axis("tau", tau)
     if positions.size and positions.max() > 0:
         raise InputError(
             f"s = {float(positions.max())!r} is beyond the contact point; "
@@ -177,29 +178,3 @@ def _check_ordering(
         f"(sin Omega = {math.sin(omega):.3g}): {what}. Give a smaller epsilon, a lower order, or "
         "an Omega farther from its resonances"
     )
-
-
-def _finite(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r} is not a number") from None
-    if not math.isfinite(number):
-        raise InputError(f"{name} = {number!r}; give a finite number")
-    return number
-
-
-def _axis(name: str, values: npt.ArrayLike) -> Array:
-    try:
-        array = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {values!r} is not a list of numbers") from None
-    if array.ndim != 1:
-        raise InputError(
-            f"{name} has shape {array.shape}; give a number or a one-dimensional list (the result "
-            "is a table, rows over tau and columns over s)"
-        )
-    if not np.isfinite(array).all():
-        worst = float(array[~np.isfinite(array)][0])
-        raise InputError(f"{name} contains {worst!r}; give finite numbers")
-    return array

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from asymptotics.checks import axis
 from asymptotics.errors import InputError, OrderingError
 from asymptotics.evaluate import sine_defect, versine
 from asymptotics.expansion import Expansion
@@ -103,7 +104,7 @@ def response(
     >>> result.contact.round(8), result.profile.round(8)
     (array([1.01116192]), array([[0.99763133]]))
     """
-    positions, times = _axis("s", s), _axis("tau", tau)
+    positions, times = axis("s", s), axis("tau", tau)
     if positions.size and positions.max() > 0:
         raise InputError(f"s = {float(positions.max())!r} is beyond the contact point; give s ≤ 0")
     if not np.isfinite(epsilon):
@@ -171,13 +172,3 @@ def _check_ordering(expansion: Expansion[Any], epsilon: float) -> tuple[float, .
             + "; give a smaller epsilon, a lower order, or frequencies farther from resonance"
         )
     return terms
-
-
-def _axis(name: str, values: npt.ArrayLike) -> Array:
-    try:
-        array = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {values!r} is not a list of numbers") from None
-    if array.ndim != 1 or not np.isfinite(array).all():
-        raise InputError(f"{name}: give finite numbers, one or a one-dimensional list")
-    return array

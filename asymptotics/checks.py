@@ -1,0 +1,47 @@
+"""Checks of arguments that several entry points share; each answers in one clear error."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from asymptotics.errors import InputError
+
+
+def finite_number(name: str, value: Any) -> float:
+    """The value as a finite float.
+
+    >>> finite_number("epsilon", 1)
+    1.0
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r} is not a number") from None
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {number!r}; give a finite number")
+    return number
+
+
+def axis(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """A number or a one-dimensional list as an array of finite numbers.
+
+    >>> axis("tau", 0.5)
+    array([0.5])
+    """
+    try:
+        array = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {values!r} is not a list of numbers") from None
+    if array.ndim != 1:
+        raise InputError(
+            f"{name} has shape {array.shape}; give a number or a one-dimensional list (a result "
+            "over two such lists is a table, rows over tau and columns over s)"
+        )
+    if not np.isfinite(array).all():
+        worst = float(array[~np.isfinite(array)][0])
+        raise InputError(f"{name} contains {worst!r}; give finite numbers")
+    return array
