@@ -85,7 +85,7 @@ def as_text(result: Tongue) -> str:
     )
     if limit.shift != "0":
         lines.append(
-            f"  mu_eff = mu - epsilon^2*({limit.shift}) = mu - {limit.shift_value:.6g} epsilon^2"
+            f"  mu_eff = mu - epsilon^2*({limit.shift}) = mu {-limit.shift_value:+.6g} epsilon^2"
         )
     return "\n".join(lines)
 
