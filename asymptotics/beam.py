@@ -34,7 +34,7 @@ from asymptotics.beam_waves import (
     waves,
 )
 from asymptotics.errors import InputError, ResonanceError
-from asymptotics.problem import Mode, Problem
+from asymptotics.problem import RESOLUTION, Mode, Problem
 from asymptotics.static_shape import boundary_slope, check_driven_end, contact_point
 
 
@@ -228,7 +228,7 @@ def float_beam(beta: float, omega: float, order: int, driven_end: str = "pinned"
     distance = {
         q: _from_resonance(waves(shape, q * value, numbers), q * value) for q in range(1, order + 1)
     }
-    close = [q for q in distance if distance[q] <= 2.0**-26]
+    close = [q for q in distance if distance[q] <= RESOLUTION]
     if close:
         # As β → 0 the poles with one value of p/q merge: the nearest, or the first in order where
         # rounding hides which that is.

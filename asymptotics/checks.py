@@ -26,6 +26,21 @@ def finite_number(name: str, value: Any) -> float:
     return number
 
 
+def positions(s: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Positions s = (x − x_c)/x₀ ≤ 0 as an array.
+
+    >>> positions([-0.5, 0.0])
+    array([-0.5,  0. ])
+    """
+    array = axis("s", s)
+    if array.size and array.max() > 0:
+        raise InputError(
+            f"s = {float(array.max())!r} is beyond the contact point; "
+            "the profile is defined for s = (x − x_c)/x₀ ≤ 0"
+        )
+    return array
+
+
 def axis(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """A number or a one-dimensional list as an array of finite numbers.
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asymptotics.checks import axis, finite_number
-from asymptotics.errors import InputError, OrderingError
+from asymptotics.checks import axis, finite_number, positions
+from asymptotics.errors import OrderingError
 from asymptotics.expansion import Expansion, check_order, expand
 from asymptotics.problem import float_string
 from asymptotics.profile import moving_frame
@@ -84,12 +84,7 @@ def evaluate(
     problem = float_string(omega, order)
     omega = float(omega)
     epsilon = finite_number("epsilon", epsilon)
-    positions, times = axis("s", s), axis("tau", tau)
-    if positions.size and positions.max() > 0:
-        raise InputError(
-            f"s = {float(positions.max())!r} is beyond the contact point; "
-            "the profile is defined for s = (x − x_c)/x₀ ≤ 0"
-        )
+    places, times = positions(s), axis("tau", tau)
     expansion = expand(problem, order)
     small = epsilon / math.sin(omega)
     terms = _check_ordering(expansion, omega, epsilon, small)
@@ -97,8 +92,8 @@ def evaluate(
     contact = np.ones_like(times)
     for n in range(1, order + 1):
         contact += small**n * fourier_sum(expansion.contact(n), phases)
-    profile = _profile(expansion, omega, small, positions, phases)
-    return Evaluation(omega, epsilon, order, positions, times, contact, profile, terms)
+    profile = _profile(expansion, omega, small, places, phases)
+    return Evaluation(omega, epsilon, order, places, times, contact, profile, terms)
 
 
 def _profile(
@@ -149,24 +144,32 @@ def sine_defect(x: Array) -> Array:
     return np.where(np.abs(x) < 1.0, x * series, x - np.sin(x))
 
 
-def _check_ordering(
-    expansion: Expansion[Any], omega: float, epsilon: float, small: float
-) -> tuple[float, ...]:
-    """Each order's bound; an OrderingError when a later order is not below the first.
-
-    An asymptotic series means something while its terms decrease; and when already the first
-    exceeds 1, the contact point would pass the driven end.
-    """
-    terms = tuple(
+def order_sizes(expansion: Expansion[Any], small: float) -> tuple[float, ...]:
+    """Σ_j |small^n ξ_{n,j}| for n = 1 … N: a bound on what each order adds to ξ_c."""
+    return tuple(
         abs(small) ** n
         * sum((1.0 if j == 0 else 2.0) * abs(c) for j, c in expansion.contact(n).items())
         for n in range(1, expansion.order + 1)
     )
-    if epsilon == 0.0:
+
+
+def is_ordered(sizes: tuple[float, ...]) -> bool:
+    """No order exceeds the first, and the first leaves the contact point on the rope.
+
+    An asymptotic series means something while its terms decrease; and when already the first
+    exceeds 1, the contact point would pass the driven end.
+    """
+    return max(sizes) <= sizes[0] < 1.0
+
+
+def _check_ordering(
+    expansion: Expansion[Any], omega: float, epsilon: float, small: float
+) -> tuple[float, ...]:
+    """The size of each order; an OrderingError when they are not ordered."""
+    terms = order_sizes(expansion, small)
+    if is_ordered(terms):
         return terms
     worst = max(range(len(terms)), key=terms.__getitem__)
-    if worst == 0 and terms[0] < 1.0:
-        return terms
     what = (
         f"order {worst + 1} contributes up to {terms[worst]:.2g} to x_c/x0, "
         f"order 1 only {terms[0]:.2g}"

@@ -29,7 +29,7 @@ import numpy.typing as npt
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion import check_order
 from asymptotics.harmonics import pack, reachable, unpack
-from asymptotics.problem import Problem, check_frequency, driven_string
+from asymptotics.problem import Problem, check_frequency, driven_string, pole_at
 from asymptotics.rings import ComplexRing, FloatRing, Ring
 
 Index = int | tuple[int, ...]
@@ -234,8 +234,8 @@ def _check_resonances(drive: Drive, order: int) -> None:
     """As :func:`~asymptotics.problem.check_frequency`, for every combination the order excites."""
     for j in excited(list(drive.amplitudes), order):
         x = drive.rate(j)[0]
-        p = round(abs(x) / math.pi)
-        if p == 0 or abs(math.sin(x)) > 2.0**-26 * max(1.0, abs(x)):
+        p = pole_at(abs(x))
+        if p == 0:
             continue
         n = unpack(j, len(drive.frequencies))
         q = n[0] if len(n) == 1 else 1

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.problem import RESOLUTION
 
 # Beyond, doubles cannot tell a resonance from its neighbours: the bound of check_frequency.
 _LARGEST = 1.0e6
@@ -61,7 +62,7 @@ def transfer(omega: ArrayLike) -> NDArray[Any]:
     sine = np.sin(values)
     nearest = np.rint(values.real / math.pi)
     # As in check_frequency: any closer than √u and half the digits of sin Ω are rounding.
-    bad = (nearest != 0) & (np.abs(sine) <= 2.0**-26 * np.maximum(1.0, np.abs(values)))
+    bad = (nearest != 0) & (np.abs(sine) <= RESOLUTION * np.maximum(1.0, np.abs(values)))
     if np.any(bad):
         p = abs(int(nearest[bad].flat[0]))
         raise ResonanceError(

@@ -252,6 +252,20 @@ def accurate_cot(j: int, omega: float) -> float:
     return (1.0 - lost * tangent) / (tangent + lost)
 
 
+# √u, u = 2⁻⁵²: closer than that to a pole, half the digits of a cotangent are rounding.
+RESOLUTION = 2.0**-26
+
+
+def pole_at(x: float) -> int:
+    """p when x > 0 is numerically at the pole pπ of the cotangent, p ≥ 1, and 0 otherwise.
+
+    >>> pole_at(6.283185307), pole_at(6.2831), pole_at(0.0)
+    (2, 0, 0)
+    """
+    at = abs(math.sin(x)) <= RESOLUTION * max(1.0, x)
+    return round(x / math.pi) if at else 0
+
+
 def check_frequency(omega: float, order: int) -> float:
     """Ω as a float when it is positive, finite and clear of the resonances q ≤ order.
 
@@ -274,8 +288,8 @@ def check_frequency(omega: float, order: int) -> float:
             "neighbours: give a smaller frequency"
         )
     for q in range(1, order + 1):
-        nearest = round(q * value / math.pi)
-        if nearest and abs(math.sin(q * value)) <= 2.0**-26 * max(1.0, q * value):
+        nearest = pole_at(q * value)
+        if nearest:
             p, reduced = nearest // math.gcd(nearest, q), q // math.gcd(nearest, q)
             lower = f", or ask for an order below {reduced}" if reduced > 1 else ""
             raise ResonanceError(

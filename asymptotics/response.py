@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asymptotics.checks import axis
-from asymptotics.errors import InputError, OrderingError
-from asymptotics.evaluate import sine_defect, versine
+from asymptotics.checks import axis, finite_number, positions
+from asymptotics.errors import OrderingError
+from asymptotics.evaluate import is_ordered, order_sizes, sine_defect, versine
 from asymptotics.expansion import Expansion
 from asymptotics.harmonics import Harmonics
 from asymptotics.profile import moving_frame
@@ -104,17 +104,14 @@ def response(
     >>> result.contact.round(8), result.profile.round(8)
     (array([1.01116192]), array([[0.99763133]]))
     """
-    positions, times = axis("s", s), axis("tau", tau)
-    if positions.size and positions.max() > 0:
-        raise InputError(f"s = {float(positions.max())!r} is beyond the contact point; give s ≤ 0")
-    if not np.isfinite(epsilon):
-        raise InputError(f"epsilon = {epsilon!r}; give a finite number")
-    terms = _check_ordering(expansion, float(epsilon))
+    places, times = positions(s), axis("tau", tau)
+    epsilon = finite_number("epsilon", epsilon)
+    terms = _check_ordering(expansion, epsilon)
     contact = np.ones_like(times)
     for n in range(1, expansion.order + 1):
         contact += epsilon**n * real_series(expansion.contact(n), lambda j: phase(j, times), times)
-    profile = _profile(expansion, lambda j: phase(j, times), epsilon, positions, times)
-    return Response(float(epsilon), expansion.order, positions, times, contact, profile, terms)
+    profile = _profile(expansion, lambda j: phase(j, times), epsilon, places, times)
+    return Response(epsilon, expansion.order, places, times, contact, profile, terms)
 
 
 def real_series(harmonics: Harmonics[Any], phase: Phase, like: Array) -> Array:
@@ -159,12 +156,8 @@ def _profile(
 
 def _check_ordering(expansion: Expansion[Any], epsilon: float) -> tuple[float, ...]:
     """Each order's bound; see :class:`asymptotics.errors.OrderingError`."""
-    terms = tuple(
-        abs(epsilon) ** n
-        * sum((2.0 if j else 1.0) * abs(c) for j, c in expansion.contact(n).items())
-        for n in range(1, expansion.order + 1)
-    )
-    if max(terms) > terms[0] or terms[0] >= 1.0:
+    terms = order_sizes(expansion, epsilon)
+    if not is_ordered(terms):
         raise OrderingError(
             f"epsilon = {epsilon!r} is too large for order {expansion.order} of "
             f"{expansion.problem.name}: the orders move x_c/x0 by up to "

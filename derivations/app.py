@@ -82,18 +82,20 @@ def derive(
         plot_period(number_of("--omega", omega), number_of("--epsilon", epsilon), N, plot)
         written.append(plot)
     forms, proofs = _derivation(N, style, column, cache, quiet=as_json)
+    pages: dict[str, dict[str, str]] = {}
     if out is not None:
         with progress("writing", len(formats), quiet=as_json) as report:
             for done, name in enumerate(formats, start=1):
-                written += write_files(render(forms, proofs, name, column), out)
+                pages[name] = render(forms, proofs, name, column)
+                written += write_files(pages[name], out)
                 report(done)
     if as_json:
         result = json_object(forms, proofs)
         result["files"] = [str(path) for path in written]
         print(json.dumps(result))
         return
-    pages = render(forms, proofs, "text" if out is not None else formats[0], column)
-    text = "\n".join(pages.values())
+    shown = "text" if out is not None else formats[0]
+    text = "\n".join((pages.get(shown) or render(forms, proofs, shown, column)).values())
     if out is not None and len(text) > SCREEN:
         text = "\n".join(str(proof) for proof in proofs) + "\n"
     print(text, end="")
