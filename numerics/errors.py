@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from numerics.characteristics import SonicContact
     from numerics.invariant_circle import InvariantCircle
 
 
@@ -33,3 +34,29 @@ class CircleNotFoundError(NumericsError):
     def __init__(self, message: str, partial: InvariantCircle | None) -> None:
         super().__init__(message)
         self.partial = partial
+
+
+class SonicContactError(NumericsError):
+    """A time was asked for at which the exact string's solution by characteristics has ended.
+
+    Attributes
+    ----------
+    sonic : SonicContact
+        Where and when the contact point reached the wave speed.
+    """
+
+    def __init__(self, message: str, sonic: SonicContact) -> None:
+        super().__init__(message)
+        self.sonic = sonic
+
+
+class ActiveSetError(NumericsError):
+    """The contact set of a time step could not be determined."""
+
+
+class FileError(NumericsError):
+    """A file is damaged, foreign or of another run; it has been left as it is."""
+
+
+class MissingPackageError(NumericsError, ImportError):
+    """A package that only this task needs is not installed."""

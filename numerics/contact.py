@@ -1,0 +1,372 @@
+"""The contact simulator: method of lines with a unilateral ground, step by step.
+
+A :class:`Simulator` carries a :class:`~numerics.semi_discrete.SemiDiscrete` system through time
+with one of two independent, compiled integrators: :mod:`numerics.trapezoidal` (implicit, the
+default) and :mod:`numerics.verlet` (explicit). Every step yields a row of observables
+(:class:`~numerics.observables.Column`) with its energy ledger and both complementarity residuals.
+:func:`simulate` runs one to the end and keeps what is asked for.
+
+Memory does not grow with the length of a run: rows are handed out block by block.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from numerics import trapezoidal, verlet
+from numerics.drive import Array, positive
+from numerics.errors import ActiveSetError, InputError
+from numerics.observables import COLUMNS, Column
+from numerics.problem import RopeProblem
+from numerics.semi_discrete import Flags, Grid, SemiDiscrete, State, rope
+
+BLOCK = 1024
+"""Steps between two looks at the drive; blocks start at its multiples, also after a restart."""
+
+
+class Scheme(Enum):
+    """The two integrators."""
+
+    TRAPEZOIDAL = "trapezoidal"
+    VERLET = "verlet"
+
+    @classmethod
+    def _missing_(cls, value: object) -> Scheme:
+        raise InputError(f"scheme {value!r}: choose trapezoidal (implicit) or verlet (explicit)")
+
+
+class Block(NamedTuple):
+    """Consecutive steps: the times at their ends, shape (k,), and their rows, (k, COLUMNS)."""
+
+    times: Array
+    rows: Array
+
+
+class Simulator:
+    """A rope in contact with the ground, advanced in time.
+
+    Parameters
+    ----------
+    problem
+        What moves.
+    grid
+        Where; see :class:`~numerics.semi_discrete.Grid`.
+    dt
+        Time step; by default dx, or for Verlet 0.9 of its stability limit, at most dx.
+    scheme
+        A :class:`Scheme` or its name.
+
+    Attributes
+    ----------
+    state, step, ledger
+        Where it is: the state, the number of steps done, and (E, work, damped, lost).
+
+    Raises
+    ------
+    InputError
+        dt ≤ 0, or beyond the stability limit; a grid that does not suit the problem.
+
+    Examples
+    --------
+    >>> from numerics.drive import ramped_cosine
+    >>> simulator = Simulator(RopeProblem(0.01, ramped_cosine(2.5, 0.05, 5)), Grid(dx=0.02))
+    >>> block = next(simulator.blocks(until=1.0))
+    >>> simulator.step, block.rows.shape
+    (50, (50, 14))
+    >>> bool(abs(simulator.unexplained) < 1e-9)
+    True
+    """
+
+    def __init__(
+        self,
+        problem: RopeProblem,
+        grid: Grid | None = None,
+        dt: float | None = None,
+        scheme: Scheme | str = Scheme.TRAPEZOIDAL,
+    ) -> None:
+        self.problem = problem
+        self.grid = Grid() if grid is None else grid
+        self.scheme = Scheme(scheme)
+        self.system = rope(problem, self.grid)
+        self.dt = _check_step(dt, self.system, self.scheme)
+        end = self._end(np.zeros(1))[0]
+        self.state = equilibrium(self.system, end)
+        self.step = 0
+        energy = self.system.energy(self.state.height, self.state.velocity, end)
+        self.ledger = np.array([energy, 0.0, 0.0, 0.0])
+        self.unexplained = 0.0
+
+    @property
+    def time(self) -> float:
+        """τ of the state."""
+        return self.step * self.dt
+
+    def blocks(self, until: float, every: int = BLOCK) -> Iterator[Block]:
+        """Advance to the first step at or after ``until``.
+
+        Blocks end at multiples of ``every`` steps, and of BLOCK.
+
+        Raises
+        ------
+        InputError
+            The drive takes the end to the ground.
+        ActiveSetError
+            A step's active set did not end; the simulator stands before that step.
+        """
+        last = steps_until(until, self.dt)
+        while self.step < last:
+            start = self.step - self.step % BLOCK
+            stop = min(last, start + BLOCK, self.step - self.step % every + every)
+            times = self.dt * np.arange(start - 1.0, start + BLOCK + 1)
+            # The whole block, always: vectorised functions may round by position in the array.
+            heights = self._end(times)[self.step - start : stop - start + 2]
+            rows = np.empty((stop - self.step, COLUMNS))
+            done = run_steps(
+                self.system,
+                self.scheme,
+                self.dt,
+                self.problem.restitution,
+                heights,
+                self.state,
+                self.ledger,
+                rows,
+            )
+            self.step += done
+            if done < len(rows):
+                raise ActiveSetError(
+                    f"the active set of step {self.step + 1} (tau = {self.time:.6g}) did not end; "
+                    f"the state before it is kept. Take a smaller dt than {self.dt!r}, and please "
+                    "report it: in exact arithmetic this cannot happen"
+                )
+            self.unexplained = max(self.unexplained, float(np.abs(rows[:, 10]).max()))
+            yield Block(self.dt * np.arange(self.step - done + 1.0, self.step + 1), rows)
+
+    def _end(self, times: Array) -> Array:
+        """Z at the times, that of τ = 0 before it."""
+        heights = np.asarray(self.problem.drive.height(np.maximum(times, 0.0)), float)
+        good = np.isfinite(heights) & (heights > 0)
+        if heights.shape != times.shape or not good.all():
+            bad = times[~good][0] if heights.shape == times.shape else times[0]
+            raise InputError(
+                f"the drive {self.problem.drive.label!r} does not keep the driven end above the "
+                f"ground at tau = {bad:.6g}; Z must be a positive number for each time of an array"
+            )
+        return heights
+
+
+def run_steps(
+    system: SemiDiscrete,
+    scheme: Scheme,
+    dt: float,
+    restitution: float,
+    heights: Array,
+    state: State,
+    ledger: Array,
+    rows: Array,
+) -> int:
+    """Take ``len(rows)`` steps in place; ``heights`` is Z from one step before the state on.
+
+    The bare loop under :class:`Simulator`, for any system: see
+    :func:`numerics.semi_discrete.string_on_obstacle`. Returns the number of steps taken.
+    """
+    if scheme is Scheme.VERLET:
+        return int(verlet.advance(system, dt, restitution, heights, state, ledger, rows))
+    return int(trapezoidal.advance(system, dt, restitution, heights[1:], state, ledger, rows))
+
+
+def equilibrium(system: SemiDiscrete, end: float) -> State:
+    """The state at rest with the driven end at Z = ``end``: KW + bZ + f = λ ⟂ W ≥ 0.
+
+    >>> from numerics.drive import at_rest
+    >>> state = equilibrium(rope(RopeProblem(0.0, at_rest()), Grid(dx=0.01)), 1.0)
+    >>> round(float(state.height[49]), 12)
+    0.25
+    """
+    n = system.size
+    right = -system.load
+    right[0] -= system.drive[0] * end
+    right[1] -= system.drive[1] * end
+    height, active = np.zeros(n), np.ones(n, bool)
+    factors, scratch = np.zeros((3, n)), np.zeros(n)
+    trapezoidal.complementarity(
+        system.stiffness, right, system.obstacle, n, 0, active, factors, scratch, height
+    )
+    return State(height, np.zeros(n), active)
+
+
+def steps_until(until: float, dt: float) -> int:
+    """The number of the first step that ends at or after the time ``until``, up to rounding.
+
+    >>> steps_until(1.0, 0.1)
+    10
+    """
+    return math.ceil(positive("until", until) / dt * (1 - 4 * np.finfo(float).eps))
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What :func:`simulate` kept of a run.
+
+    Attributes
+    ----------
+    problem, grid, dt, scheme
+        Of which run.
+    times, rows
+        The rows kept, shapes (k,) and (k, COLUMNS).
+    snapshot_times, heights, velocities, held
+        Snapshots, shapes (s,) and (s, n); ``held`` is the contact set.
+    positions
+        ξ of the nodes, shape (n,).
+    end
+        The state at the end.
+    ledger
+        (E, work, damped, lost) at the end.
+    unexplained
+        Largest change of energy in any step that the ledger does not explain: rounding.
+    lowest, reaction
+        Complementarity residuals: the smallest W and the smallest λ per unit length, of all steps.
+    """
+
+    problem: RopeProblem
+    grid: Grid
+    dt: float
+    scheme: Scheme
+    times: Array
+    rows: Array
+    snapshot_times: Array
+    heights: Array
+    velocities: Array
+    held: Flags
+    positions: Array
+    end: State
+    ledger: Array
+    unexplained: float
+    lowest: float
+    reaction: float
+
+    def column(self, name: Any) -> Array:
+        """One :class:`~numerics.observables.Column` of the rows, shape (k,)."""
+        return self.rows[:, int(name)]
+
+
+def simulate(
+    problem: RopeProblem,
+    until: float,
+    grid: Grid | None = None,
+    dt: float | None = None,
+    scheme: Scheme | str = Scheme.TRAPEZOIDAL,
+    record_from: float | None = None,
+    snapshots: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Run:
+    """Simulate from rest to the time ``until``.
+
+    Parameters
+    ----------
+    problem, grid, dt, scheme
+        See :class:`Simulator`.
+    record_from
+        Rows are kept from this time on. By default of the last forcing period only (of a drive
+        without a period: none), so that memory does not grow with the run.
+    snapshots
+        Time between snapshots of the whole rope, rounded to steps; by default there are none.
+    progress
+        Called with the steps done and their total.
+
+    Raises
+    ------
+    InputError, ActiveSetError
+        As the :class:`Simulator`.
+
+    Examples
+    --------
+    >>> from numerics.drive import ramped_cosine
+    >>> drive = ramped_cosine(2.5, 0.05, periods=5)
+    >>> run = simulate(RopeProblem(0.01, drive), 6 * drive.period, snapshots=drive.period / 8)
+    >>> run.heights.shape, bool(run.lowest >= 0), bool(run.reaction > -1e-6)
+    ((49, 799), True, True)
+    """
+    simulator = Simulator(problem, grid, dt, scheme)
+    return follow(simulator, until, record_from, snapshots, progress)
+
+
+def follow(
+    simulator: Simulator,
+    until: float,
+    record_from: float | None = None,
+    snapshots: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Run:
+    """As :func:`simulate`, from wherever the simulator stands."""
+    last = steps_until(until, simulator.dt)
+    if last <= simulator.step:
+        raise InputError(
+            f"until = {until!r} is not after the time tau = {simulator.time:.6g} that the "
+            "simulator has reached; give a later time"
+        )
+    if record_from is None:
+        omega = simulator.problem.drive.omega
+        record_from = math.inf if omega is None else until - 2 * math.pi / omega
+    stride = (
+        0 if snapshots is None else max(round(positive("snapshots", snapshots) / simulator.dt), 1)
+    )
+    every = stride or BLOCK
+    times_seen, frames = ([simulator.time], [_copy(simulator.state)]) if stride else ([], [])
+    kept: list[Block] = []
+    lowest, reaction = math.inf, math.inf
+    for times, rows in simulator.blocks(until, every):
+        lowest = min(lowest, float(rows[:, Column.LOWEST].min()))
+        reaction = min(reaction, float(rows[:, Column.REACTION].min()))
+        late = times >= record_from
+        if late.any():
+            kept.append(Block(times[late], rows[late]))
+        if stride and simulator.step % stride == 0:
+            times_seen.append(simulator.time)
+            frames.append(_copy(simulator.state))
+        if progress is not None:
+            progress(simulator.step, last)
+    return Run(
+        problem=simulator.problem,
+        grid=simulator.grid,
+        dt=simulator.dt,
+        scheme=simulator.scheme,
+        times=np.concatenate([np.empty(0), *(block.times for block in kept)]),
+        rows=np.concatenate([np.empty((0, COLUMNS)), *(block.rows for block in kept)]),
+        snapshot_times=np.array(times_seen, float),
+        heights=_stack([frame.height for frame in frames], simulator),
+        velocities=_stack([frame.velocity for frame in frames], simulator),
+        held=_stack([frame.active for frame in frames], simulator).astype(bool),
+        positions=simulator.system.positions,
+        end=_copy(simulator.state),
+        ledger=simulator.ledger.copy(),
+        unexplained=simulator.unexplained,
+        lowest=lowest,
+        reaction=reaction,
+    )
+
+
+def _copy(state: State) -> State:
+    return State(state.height.copy(), state.velocity.copy(), state.active.copy())
+
+
+def _stack(parts: list[Any], simulator: Simulator) -> Any:
+    return np.array(parts).reshape(-1, simulator.system.size)
+
+
+def _check_step(dt: float | None, system: SemiDiscrete, scheme: Scheme) -> float:
+    limit = system.explicit_limit
+    if dt is None:
+        return system.dx if scheme is Scheme.TRAPEZOIDAL else min(0.9 * limit, system.dx)
+    dt = positive("dt", dt)
+    if scheme is Scheme.VERLET and dt >= limit:
+        raise InputError(
+            f"dt = {dt!r} is beyond the stability limit {limit:.6g} of the explicit scheme on this "
+            "grid; take a smaller dt, or the trapezoidal scheme, which has none"
+        )
+    return dt

@@ -1,0 +1,179 @@
+"""The motion Z(τ) of the driven end, in units of Z₀, and its derivative.
+
+Both are vectorised functions of τ. A rope that starts from rest needs Z′(0) = 0; the height Z(0) it
+rests at may be any positive number.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from numerics.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Z(τ) and Z′(τ).
+
+    Attributes
+    ----------
+    height, slope
+        Z and Z′: functions of an array of times, in units of x₀/c.
+    label
+        What identifies the motion, in files and checkpoints: two drives with one label are taken
+        to be the same.
+    omega
+        Ω of a (nearly) periodic drive; None otherwise. Runs are measured in its periods.
+
+    Examples
+    --------
+    A tap: the end rises by ε for a moment.
+
+    >>> tap = Drive(lambda t: 1 + 0.1 * t**2 * np.exp(-t * t),
+    ...             lambda t: 0.2 * t * (1 - t * t) * np.exp(-t * t), "tap 0.1")
+    >>> float(tap.height(np.array(0.0)))
+    1.0
+    """
+
+    height: Callable[[Array], Array]
+    slope: Callable[[Array], Array]
+    label: str
+    omega: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.label:
+            raise InputError("a drive needs a label: files and checkpoints are told apart by it")
+        if self.omega is not None:
+            positive("Omega", self.omega)
+
+    @property
+    def period(self) -> float:
+        """2π/Ω.
+
+        Raises
+        ------
+        InputError
+            The drive has no frequency.
+        """
+        if self.omega is None:
+            raise InputError(
+                f"the drive {self.label!r} has no period: give Omega, or times instead of periods"
+            )
+        return 2 * math.pi / self.omega
+
+
+def at_rest(height: float = 1.0) -> Drive:
+    """Z = ``height`` for ever.
+
+    >>> at_rest().height(np.array([0.0, 3.0]))
+    array([1., 1.])
+    """
+    z = positive("height", height)
+    return Drive(lambda t: np.full(np.shape(t), z), lambda t: np.zeros(np.shape(t)), f"rest {z!r}")
+
+
+def cosine(omega: float, epsilon: float) -> Drive:
+    """Z = 1 + ε cos Ωτ for all τ ≥ 0, the paper's eq. (forcing); the start is sudden.
+
+    >>> round(float(cosine(2.0, 0.1).height(np.array(np.pi / 2))), 12)
+    0.9
+    """
+    omega, epsilon = check_amplitude(omega, epsilon)
+    return Drive(
+        lambda t: 1 + epsilon * np.cos(omega * t),
+        lambda t: -epsilon * omega * np.sin(omega * t),
+        f"cosine {omega!r} {epsilon!r}",
+        omega,
+    )
+
+
+def ramped_cosine(omega: float, epsilon: float, periods: float = 20.0) -> Drive:
+    """Z = 1 + ε r(τ) cos Ωτ with r rising from 0 at τ = 0 to 1 after ``periods`` forcing periods.
+
+    r is :func:`smooth_step`: all its derivatives vanish at both ends, so that a long ramp leaves
+    no free oscillation to any power of its rate. (The paper's experiment ramps over 20 periods.)
+
+    Examples
+    --------
+    >>> drive = ramped_cosine(2.0, 0.1, periods=10)
+    >>> drive.height(np.array([0.0, 10 * drive.period])).tolist()
+    [1.0, 1.1]
+    """
+    omega, epsilon = check_amplitude(omega, epsilon)
+    length = positive("ramp periods", periods) * 2 * math.pi / omega
+
+    def height(t: Array) -> Array:
+        return 1 + epsilon * smooth_step(t / length)[0] * np.cos(omega * t)
+
+    def slope(t: Array) -> Array:
+        step, rate = smooth_step(t / length)
+        turns = omega * t
+        return epsilon * (rate / length * np.cos(turns) - step * omega * np.sin(turns))
+
+    return Drive(height, slope, f"ramped cosine {omega!r} {epsilon!r} {periods!r}", omega)
+
+
+def smooth_step(x: ArrayLike) -> tuple[Array, Array]:
+    r"""r(x) and r′(x): :math:`r = 1/(1 + e^{1/x − 1/(1−x)})` between 0 and 1, constant outside.
+
+    >>> [float(value) for value in smooth_step(0.5)]
+    [0.5, 2.0]
+    """
+    x = np.asarray(x, float)
+    inside = (x > 0) & (x < 1)
+    y = np.where(inside, x, 0.5)
+    # Beyond ±700 the exponential overflows and r is 0 or 1 to the last bit.
+    exponent = np.clip(1 / y - 1 / (1 - y), -700.0, 700.0)
+    rise = 1 / (1 + np.exp(exponent))
+    rate = rise * (1 - rise) * (1 / y**2 + 1 / (1 - y) ** 2)
+    return np.where(inside, rise, np.where(x >= 1, 1.0, 0.0)), np.where(inside, rate, 0.0)
+
+
+def check_amplitude(omega: float, epsilon: float) -> tuple[float, float]:
+    """Ω > 0 and |ε| < 1, so that the end stays above the ground."""
+    omega, epsilon = positive("Omega", omega), finite("epsilon", epsilon)
+    if abs(epsilon) >= 1:
+        raise InputError(
+            f"epsilon = {epsilon!r} takes the driven end down to Z = {1 - abs(epsilon):.3g} ≤ 0; "
+            "the height 1 + ε cos Ωτ must stay above the ground: take |epsilon| < 1"
+        )
+    return omega, epsilon
+
+
+def finite(name: str, value: Any) -> float:
+    """``value`` as a finite float.
+
+    >>> finite("beta", "1e-2")
+    0.01
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r}: give a number") from None
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {value!r}: give a finite number")
+    return number
+
+
+def positive(name: str, value: Any) -> float:
+    """``value`` as a finite float > 0."""
+    number = finite(name, value)
+    if number <= 0:
+        raise InputError(f"{name} = {value!r}: give a number > 0")
+    return number
+
+
+def non_negative(name: str, value: Any) -> float:
+    """``value`` as a finite float ≥ 0."""
+    number = finite(name, value)
+    if number < 0:
+        raise InputError(f"{name} = {value!r}: give a number ≥ 0")
+    return number

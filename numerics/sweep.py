@@ -1,0 +1,190 @@
+"""The same computation at many parameters: in parallel, resumable, and never done twice.
+
+Tasks are plain dictionaries; so are results. With a folder, every result is a file of its own that
+carries the specification it belongs to and a seal: a killed sweep goes on where it stopped, and a
+damaged file, or one of another specification, is refused and left alone. Only the parent writes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import os
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+from numerics.errors import FileError, InputError
+from numerics.files import replace_file
+
+Task = dict[str, Any]
+Result = dict[str, Any]
+
+
+def sweep(
+    work: Callable[[Task], Result],
+    tasks: Sequence[Task],
+    folder: Path | None = None,
+    specification: str = "",
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Result]:
+    """``[work(task) for task in tasks]``, in parallel and resumable.
+
+    Parameters
+    ----------
+    work
+        A function at the top of a module, so that other processes can import it.
+    tasks
+        Dictionaries of JSON values.
+    folder
+        Where results are kept; without it they are in memory only.
+    specification
+        What else the results depend on: the versions and settings that ``work`` fixes.
+    workers
+        Processes; 1 computes here.
+    progress
+        Called with the results there are and their number at the end.
+
+    Returns
+    -------
+    list
+        The results in the order of the tasks.
+
+    Raises
+    ------
+    InputError
+        Two equal tasks, or no worker.
+    FileError
+        A file in the folder is damaged or of another specification.
+
+    Examples
+    --------
+    >>> sweep(square, [{"x": 2}, {"x": 3}])
+    [{'y': 4}, {'y': 9}]
+    """
+    if workers < 1:
+        raise InputError(f"workers = {workers!r}: give a whole number ≥ 1")
+    names = [_name(task) for task in tasks]
+    if len(set(names)) < len(names):
+        raise InputError("two tasks of the sweep are equal; give each once")
+    results: dict[str, Result] = {}
+    if folder is not None:
+        for name, task in zip(names, tasks, strict=True):
+            found = _read(folder / name, specification, task)
+            if found is not None:
+                results[name] = found
+    left = [(name, task) for name, task in zip(names, tasks, strict=True) if name not in results]
+    if progress is not None:
+        progress(len(results), len(tasks))
+    for name, result in _compute(work, left, workers):
+        if folder is not None:
+            task = tasks[names.index(name)]
+            _write(folder / name, specification, task, result)
+        results[name] = result
+        if progress is not None:
+            progress(len(results), len(tasks))
+    return [results[name] for name in names]
+
+
+def square(task: Task) -> Result:
+    """y = x²: the smallest work there is, for examples and tests.
+
+    >>> square({"x": 3})
+    {'y': 9}
+    """
+    return {"y": task["x"] ** 2}
+
+
+def _compute(work: Callable[[Task], Result], left: list[tuple[str, Task]], workers: int) -> Any:
+    """Names and results, as they come."""
+    if workers == 1 or len(left) < 2:
+        for name, task in left:
+            yield name, work(task)
+        return
+    # Spawned, not forked: threads of compiled libraries do not survive a fork.
+    context = multiprocessing.get_context("spawn")
+    pool: Executor = ProcessPoolExecutor(
+        min(workers, len(left)), context, initializer=_watch, initargs=(os.getpid(),)
+    )
+    try:
+        futures: dict[Future[Result], str] = {pool.submit(work, task): name for name, task in left}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _watch(parent: int) -> None:
+    """End this process when its parent is gone: a killed parent cannot end it."""
+
+    def look() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    threading.Thread(target=look, daemon=True).start()
+
+
+def _name(task: Task) -> str:
+    """A file name that depends on the task alone."""
+    return hashlib.sha256(_spelling(task).encode()).hexdigest()[:24] + ".json"
+
+
+def _spelling(content: Any) -> str:
+    return json.dumps(content, sort_keys=True, allow_nan=True)
+
+
+def _seal(specification: str, task: Task, result: Result) -> str:
+    return hashlib.sha256(_spelling([specification, task, result]).encode()).hexdigest()
+
+
+def _write(path: Path, specification: str, task: Task, result: Result) -> None:
+    content = {
+        "specification": specification,
+        "task": task,
+        "result": result,
+        "seal": _seal(specification, task, result),
+    }
+    text = json.dumps(content, indent=1)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_file(path, lambda part: part.write_text(text))
+    except OSError as error:
+        raise FileError(
+            f"cannot write {path}: {error.strerror or error}. Choose another folder"
+        ) from error
+
+
+def _read(path: Path, specification: str, task: Task) -> Result | None:
+    try:
+        content = json.loads(path.read_text())
+        parts = content["specification"], content["task"], content["result"]
+        whole = content["seal"] == _seal(*parts)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise FileError(
+            f"cannot read {path}: {error.strerror or error}. Choose another folder"
+        ) from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise FileError(
+            f"{path} cannot be read ({type(error).__name__}): it is damaged. Delete it, and its "
+            "result will be computed again"
+        ) from error
+    if not whole:
+        raise FileError(
+            f"{path} is not what was written: its seal does not fit. Delete it, and its result "
+            "will be computed again"
+        )
+    if parts[0] != specification or parts[1] != task:
+        raise FileError(
+            f"{path} belongs to another sweep ({parts[0]!r}, task {parts[1]!r}; wanted "
+            f"{specification!r}, task {task!r}). Give another folder, or delete this one"
+        )
+    result: Result = parts[2]
+    return result
