@@ -32,6 +32,8 @@ class Drive:
         to be the same.
     omega
         Ω of a (nearly) periodic drive; None otherwise. Runs are measured in its periods.
+    curvature
+        Z″, if at hand; only the exact string asks for it, and does without.
 
     Examples
     --------
@@ -47,6 +49,7 @@ class Drive:
     slope: Callable[[Array], Array]
     label: str
     omega: float | None = None
+    curvature: Callable[[Array], Array] | None = None
 
     def __post_init__(self) -> None:
         if not self.label:
@@ -77,7 +80,11 @@ def at_rest(height: float = 1.0) -> Drive:
     array([1., 1.])
     """
     z = positive("height", height)
-    return Drive(lambda t: np.full(np.shape(t), z), lambda t: np.zeros(np.shape(t)), f"rest {z!r}")
+
+    def nothing(t: Array) -> Array:
+        return np.zeros(np.shape(t))
+
+    return Drive(lambda t: np.full(np.shape(t), z), nothing, f"rest {z!r}", curvature=nothing)
 
 
 def cosine(omega: float, epsilon: float) -> Drive:
@@ -92,6 +99,7 @@ def cosine(omega: float, epsilon: float) -> Drive:
         lambda t: -epsilon * omega * np.sin(omega * t),
         f"cosine {omega!r} {epsilon!r}",
         omega,
+        lambda t: -epsilon * omega**2 * np.cos(omega * t),
     )
 
 
@@ -114,18 +122,24 @@ def ramped_cosine(omega: float, epsilon: float, periods: float = 20.0) -> Drive:
         return 1 + epsilon * smooth_step(t / length)[0] * np.cos(omega * t)
 
     def slope(t: Array) -> Array:
-        step, rate = smooth_step(t / length)
+        step, rate, _ = smooth_step(t / length)
         turns = omega * t
         return epsilon * (rate / length * np.cos(turns) - step * omega * np.sin(turns))
 
-    return Drive(height, slope, f"ramped cosine {omega!r} {epsilon!r} {periods!r}", omega)
+    def curvature(t: Array) -> Array:
+        step, rate, bend = smooth_step(t / length)
+        even = bend / length**2 - step * omega**2
+        return epsilon * (even * np.cos(omega * t) - 2 * rate / length * omega * np.sin(omega * t))
+
+    label = f"ramped cosine {omega!r} {epsilon!r} {periods!r}"
+    return Drive(height, slope, label, omega, curvature)
 
 
-def smooth_step(x: ArrayLike) -> tuple[Array, Array]:
-    r"""r(x) and r′(x): :math:`r = 1/(1 + e^{1/x − 1/(1−x)})` between 0 and 1, constant outside.
+def smooth_step(x: ArrayLike) -> tuple[Array, Array, Array]:
+    r"""r, r′ and r″: :math:`r = 1/(1 + e^{1/x − 1/(1−x)})` between 0 and 1, constant outside.
 
     >>> [float(value) for value in smooth_step(0.5)]
-    [0.5, 2.0]
+    [0.5, 2.0, 0.0]
     """
     x = np.asarray(x, float)
     inside = (x > 0) & (x < 1)
@@ -133,8 +147,15 @@ def smooth_step(x: ArrayLike) -> tuple[Array, Array]:
     # Beyond ±700 the exponential overflows and r is 0 or 1 to the last bit.
     exponent = np.clip(1 / y - 1 / (1 - y), -700.0, 700.0)
     rise = 1 / (1 + np.exp(exponent))
-    rate = rise * (1 - rise) * (1 / y**2 + 1 / (1 - y) ** 2)
-    return np.where(inside, rise, np.where(x >= 1, 1.0, 0.0)), np.where(inside, rate, 0.0)
+    first, second = 1 / y**2 + 1 / (1 - y) ** 2, 2 / (1 - y) ** 3 - 2 / y**3
+    rate = rise * (1 - rise) * first
+    bend = (1 - 2 * rise) * rate * first + rise * (1 - rise) * second
+    outside = np.where(x >= 1, 1.0, 0.0)
+    return (
+        np.where(inside, rise, outside),
+        np.where(inside, rate, 0.0),
+        np.where(inside, bend, 0.0),
+    )
 
 
 def check_amplitude(omega: float, epsilon: float) -> tuple[float, float]:
