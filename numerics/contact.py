@@ -66,6 +66,9 @@ class Simulator:
     ----------
     state, step, ledger
         Where it is: the state, the number of steps done, and (E, work, damped, lost).
+    unexplained, lowest, reaction
+        The worst of all steps: the largest change of energy that the ledger does not explain, the
+        smallest W, and the smallest λ per unit length.
 
     Raises
     ------
@@ -100,7 +103,7 @@ class Simulator:
         self.step = 0
         energy = self.system.energy(self.state.height, self.state.velocity, end)
         self.ledger = np.array([energy, 0.0, 0.0, 0.0])
-        self.unexplained = 0.0
+        self.unexplained, self.lowest, self.reaction = 0.0, math.inf, math.inf
 
     @property
     def time(self) -> float:
@@ -120,6 +123,8 @@ class Simulator:
             A step's active set did not end; the simulator stands before that step.
         """
         last = steps_until(until, self.dt)
+        if every < 1:
+            raise InputError(f"every = {every!r}: give a number of steps ≥ 1")
         while self.step < last:
             start = self.step - self.step % BLOCK
             stop = min(last, start + BLOCK, self.step - self.step % every + every)
@@ -138,14 +143,21 @@ class Simulator:
                 rows,
             )
             self.step += done
+            if done:
+                self._note(rows[:done])
             if done < len(rows):
                 raise ActiveSetError(
                     f"the active set of step {self.step + 1} (tau = {self.time:.6g}) did not end; "
                     f"the state before it is kept. Take a smaller dt than {self.dt!r}, and please "
                     "report it: in exact arithmetic this cannot happen"
                 )
-            self.unexplained = max(self.unexplained, float(np.abs(rows[:, 10]).max()))
             yield Block(self.dt * np.arange(self.step - done + 1.0, self.step + 1), rows)
+
+    def _note(self, rows: Array) -> None:
+        unexplained = float(np.abs(rows[:, Column.UNEXPLAINED]).max())
+        self.unexplained = max(self.unexplained, unexplained)
+        self.lowest = min(self.lowest, float(rows[:, Column.LOWEST].min()))
+        self.reaction = min(self.reaction, float(rows[:, Column.REACTION].min()))
 
     def _end(self, times: Array) -> Array:
         """Z at the times, that of τ = 0 before it."""
@@ -223,14 +235,15 @@ class Run:
         Snapshots, shapes (s,) and (s, n); ``held`` is the contact set.
     positions
         ξ of the nodes, shape (n,).
-    end
-        The state at the end.
+    end, end_time
+        The state at the end, and when that is.
     ledger
         (E, work, damped, lost) at the end.
     unexplained
         Largest change of energy in any step that the ledger does not explain: rounding.
     lowest, reaction
-        Complementarity residuals: the smallest W and the smallest λ per unit length, of all steps.
+        Complementarity residuals: the smallest W and the smallest λ per unit length. All three are
+        of all steps since the rope was at rest.
     """
 
     problem: RopeProblem
@@ -245,6 +258,7 @@ class Run:
     held: Flags
     positions: Array
     end: State
+    end_time: float
     ledger: Array
     unexplained: float
     lowest: float
@@ -319,10 +333,7 @@ def follow(
     every = stride or BLOCK
     times_seen, frames = ([simulator.time], [_copy(simulator.state)]) if stride else ([], [])
     kept: list[Block] = []
-    lowest, reaction = math.inf, math.inf
     for times, rows in simulator.blocks(until, every):
-        lowest = min(lowest, float(rows[:, Column.LOWEST].min()))
-        reaction = min(reaction, float(rows[:, Column.REACTION].min()))
         late = times >= record_from
         if late.any():
             kept.append(Block(times[late], rows[late]))
@@ -344,10 +355,11 @@ def follow(
         held=_stack([frame.active for frame in frames], simulator).astype(bool),
         positions=simulator.system.positions,
         end=_copy(simulator.state),
+        end_time=simulator.time,
         ledger=simulator.ledger.copy(),
         unexplained=simulator.unexplained,
-        lowest=lowest,
-        reaction=reaction,
+        lowest=simulator.lowest,
+        reaction=simulator.reaction,
     )
 
 

@@ -262,10 +262,10 @@ def _check_grid(problem: RopeProblem, grid: Grid) -> None:
             f"{math.sqrt(beta) / 4:.4g}"
         )
     positive("length", grid.length)
-    if grid.sponge < 0 or grid.strength < 0:
+    if not (0 <= grid.sponge < math.inf and 0 <= grid.strength < math.inf):
         raise InputError(
-            f"sponge = {grid.sponge!r}, strength = {grid.strength!r}: give numbers ≥ 0 (0: a hard "
-            "end that reflects)"
+            f"sponge = {grid.sponge!r}, strength = {grid.strength!r}: give finite numbers ≥ 0 "
+            "(0: a hard end that reflects)"
         )
     height = float(problem.drive.height(np.array(0.0)))
     if not height > 0:

@@ -243,6 +243,7 @@ def advance(
     floating = not system.obstacle.all()
     last = moving_size(height, velocity, floating)
     elastic_force(system.stiffness, height, n, force)
+    before = active.copy()
     size = 0
     for step in range(len(heights) - 1):
         z0, z1 = heights[step], heights[step + 1]
@@ -259,6 +260,7 @@ def advance(
             shifted, right, system.obstacle, size, fresh, active, factors, y, x
         )
         if rounds < 0:
+            active[:] = before
             return step
         pull0, pull1 = b0 * height[0] + b1 * height[1], b0 * x[0] + b1 * x[1]
         elastic_force(system.stiffness, x, size, force)
@@ -271,4 +273,5 @@ def advance(
         settle(ledger, rows[step], energy, work, damped, lost, rounds, lowest, reaction)
         observe(system, height, force, active, size, rows[step])
         last = moving_size(height[:size], velocity[:size], floating)
+        before[:size] = active[:size]
     return len(heights) - 1

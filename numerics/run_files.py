@@ -1,0 +1,248 @@
+"""Runs as labelled data: an xarray Dataset with units and attributes; netCDF in and out.
+
+Dimensions are ``time`` (rows kept), ``snapshot_time`` and ``xi`` (the free nodes; the driven end,
+ξ = 0, is the series Z). Everything is nondimensional: each variable's ``long_name`` names the scale
+it was divided by. Files are sealed (:mod:`numerics.files`), equal runs give equal bytes.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from numerics.contact import Run, Scheme
+from numerics.errors import FileError, InputError, MissingPackageError
+from numerics.files import (
+    Specification,
+    differences,
+    read_sealed,
+    release,
+    specification,
+    write_sealed,
+)
+from numerics.observables import Column
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+KIND = "ropewave run, version 1"
+
+_SPECIFICATION = "specification"
+_SERIES = {
+    Column.CONTACT: ("contact_point", "contact point x_c/x_0"),
+    Column.FORCE: ("contact_force", "point force at the contact point, P x_0/(T Z_0)"),
+    Column.BUMP: ("bump", "largest height beyond the contact point, w/Z_0"),
+    Column.BUMP_AT: ("bump_at", "place of the largest height beyond the contact point, x/x_0"),
+    Column.GAP: ("gap", "smallest local minimum of the height before the contact point, w/Z_0"),
+    Column.GAP_AT: ("gap_at", "place of the smallest local minimum of the height, x/x_0"),
+    Column.ENERGY: ("energy", "energy of the rope, E x_0/(T Z_0^2)"),
+    Column.WORK: ("work", "work of the driven end since the start, over T Z_0^2/x_0"),
+    Column.DAMPED: ("damped", "energy that damping took since the start, over T Z_0^2/x_0"),
+    Column.LOST: ("lost", "energy that contact took since the start, over T Z_0^2/x_0"),
+    Column.UNEXPLAINED: ("unexplained", "change of energy in a step left over, over T Z_0^2/x_0"),
+    Column.ROUNDS: ("rounds", "rounds of the active-set iteration in a step"),
+    Column.LOWEST: ("lowest", "smallest height of all nodes, w/Z_0"),
+    Column.REACTION: ("reaction", "smallest reaction of the ground, over T Z_0/x_0^2"),
+}
+_TIME = "time c t/x_0"
+
+
+def dataset(run: Run) -> Dataset:
+    """A run as an xarray Dataset; the arrays are the run's own.
+
+    Variables: W, V and ``held`` (the contact set) over (snapshot_time, xi); Z_snapshot over
+    snapshot_time; Z and every :class:`~numerics.observables.Column` over time, as
+    ``contact_point``, ``contact_force``, ``bump``, …; W_end, V_end, held_end over xi, the state at
+    the end. The attributes hold every parameter, the energies at the end and the residuals.
+
+    Raises
+    ------
+    MissingPackageError
+        xarray is not installed.
+
+    Examples
+    --------
+    >>> from numerics.contact import simulate
+    >>> from numerics.drive import ramped_cosine
+    >>> from numerics.problem import RopeProblem
+    >>> drive = ramped_cosine(2.5, 0.05, periods=5)
+    >>> run = simulate(RopeProblem(0.01, drive), 6 * drive.period, snapshots=drive.period / 8)
+    >>> data = dataset(run)
+    >>> data.W.dims, data.W.shape, data.sizes["time"]
+    (('snapshot_time', 'xi'), (49, 799), 252)
+    >>> data.contact_point.long_name, data.contact_point.units, data.beta
+    ('contact point x_c/x_0', '1', 0.01)
+    """
+    xarray = _xarray()
+    height = run.problem.drive.height
+    frame = ("snapshot_time", "xi")
+    staggered = " half a time step earlier" if run.scheme is Scheme.VERLET else ""
+    speed = f"vertical velocity over c Z_0/x_0{staggered}"
+    on_ground = "node held by the ground (the contact set)"
+    variables = {
+        "W": (frame, run.heights, "height w/Z_0"),
+        "V": (frame, run.velocities, speed),
+        "held": (frame, run.held, on_ground),
+        "Z_snapshot": (frame[:1], height(run.snapshot_times), "height of the driven end, w/Z_0"),
+        "Z": (("time",), height(run.times), "height of the driven end, w/Z_0"),
+        "W_end": (frame[1:], run.end.height, "height at the end of the run, w/Z_0"),
+        "V_end": (frame[1:], run.end.velocity, f"at the end of the run: {speed}"),
+        "held_end": (frame[1:], run.end.active, f"at the end of the run: {on_ground}"),
+    }
+    for column, (name, meaning) in _SERIES.items():
+        values = run.column(column)
+        counts = column is Column.ROUNDS
+        variables[name] = (("time",), values.astype("i4") if counts else values, meaning)
+    coordinates = {
+        "time": (("time",), run.times, _TIME),
+        "snapshot_time": (frame[:1], run.snapshot_times, _TIME),
+        "xi": (frame[1:], run.positions, "distance from the driven end, x/x_0"),
+    }
+    return xarray.Dataset(
+        {name: _variable(*entry) for name, entry in variables.items()},
+        {name: _variable(*entry) for name, entry in coordinates.items()},
+        _attributes(run),
+    )
+
+
+def save(run: Run | Dataset, path: Path | str, force: bool = False) -> None:
+    """Write a run, or the Dataset of one, as a compressed netCDF file, whole or not at all.
+
+    Parameters
+    ----------
+    run
+        A Dataset may have got further variables and attributes.
+    path
+        A file of the same specification is replaced.
+    force
+        Replace any other file too.
+
+    Raises
+    ------
+    FileError
+        There is a file that is not a run, is damaged or is of another specification; or the place
+        cannot be written.
+    InputError
+        A Dataset that did not come from here.
+    MissingPackageError
+        xarray, h5netcdf or h5py is not installed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from numerics.contact import simulate
+    >>> from numerics.drive import ramped_cosine
+    >>> from numerics.problem import RopeProblem
+    >>> run = simulate(RopeProblem(0.01, ramped_cosine(2.5, 0.05, 5)), 15.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save(run, Path(folder) / "run.nc")
+    ...     again = load(Path(folder) / "run.nc")
+    >>> again.identical(dataset(run))
+    True
+    """
+    _netcdf()
+    data = dataset(run) if isinstance(run, Run) else run
+    path = Path(path)
+    wanted = data.attrs.get(_SPECIFICATION)
+    if wanted is None:
+        raise InputError(
+            "this Dataset has no attribute 'specification': save a Run, or what dataset() made of "
+            "one; for other data there is Dataset.to_netcdf"
+        )
+    if path.exists() and not force:
+        _check_replaceable(path, json.loads(wanted))
+    packed = {"zlib": True, "complevel": 4, "shuffle": True}
+    # Without NaN no fill value: coordinates and flags have no missing values.
+    whole = {"_FillValue": None}
+    encoding: dict[Any, Any] = {
+        name: packed | ({} if np.issubdtype(value.dtype, np.floating) else whole)
+        for name, value in data.data_vars.items()
+        if value.ndim and value.dtype.kind in "fiub"
+    }
+    encoding |= dict.fromkeys(data.coords, whole)
+    write_sealed(path, KIND, lambda p: data.to_netcdf(p, engine="h5netcdf", encoding=encoding))
+
+
+def load(path: Path | str) -> Dataset:
+    """Read a saved run, all of it, after checking that it is what was written.
+
+    Raises
+    ------
+    FileError
+        The file is missing, damaged, truncated, or not one that :func:`save` wrote.
+    MissingPackageError
+        xarray, h5netcdf or h5py is not installed.
+    """
+    xarray = _netcdf()
+    path = Path(path)
+    read_sealed(path, KIND)
+    return xarray.load_dataset(path, engine="h5netcdf")
+
+
+def _variable(
+    dims: tuple[str, ...], values: Any, meaning: str
+) -> tuple[tuple[str, ...], Any, dict[str, str]]:
+    return dims, values, {"units": "1", "long_name": meaning}
+
+
+def _attributes(run: Run) -> dict[str, str | float]:
+    """Plain numbers and words; what there is not (Ω of a drive without one) is left out."""
+    parameters = specification(run)
+    energy, work, damped, lost = (float(value) for value in run.ledger)
+    return {
+        "title": "a rope in contact with the ground",
+        "Conventions": "CF-1.10",
+        "source": f"ropewave {release()}",
+        "comment": "nondimensional: x_0^2 = 2 T Z_0/(rho g), c^2 = T/rho, beta = B/(T x_0^2)",
+        **{name: value for name, value in parameters.items() if value is not None},
+        "final_energy": energy,
+        "final_work": work,
+        "final_damped": damped,
+        "final_lost": lost,
+        "largest_unexplained": float(run.unexplained),
+        "smallest_height": float(run.lowest),
+        "smallest_reaction": float(run.reaction),
+        _SPECIFICATION: json.dumps(parameters),
+    }
+
+
+def _check_replaceable(path: Path, wanted: Specification) -> None:
+    remedy = "or replace it all the same (force=True)"
+    try:
+        found = json.loads(load(path).attrs[_SPECIFICATION])
+    except FileError as error:
+        raise FileError(f"{error}; {remedy}") from error
+    what = differences(found, wanted)
+    if what:
+        raise FileError(
+            f"{path} holds another run: {what}. It is left as it is; choose another name, {remedy}"
+        )
+
+
+def _xarray() -> ModuleType:
+    try:
+        import xarray
+    except ImportError as error:
+        raise _missing(error) from error
+    return xarray
+
+
+def _netcdf() -> ModuleType:
+    xarray = _xarray()
+    try:
+        import h5netcdf
+        import h5py  # noqa: F401  h5netcdf comes without it
+    except ImportError as error:
+        raise _missing(error) from error
+    del h5netcdf
+    return xarray
+
+
+def _missing(error: ImportError) -> MissingPackageError:
+    return MissingPackageError(
+        f"{error.name} is needed for Datasets and netCDF files; pip install 'ropewave[sim]'"
+    )
