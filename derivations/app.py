@@ -14,10 +14,11 @@ from typing import Annotated, Any
 
 import typer
 
-from derivations import resonance_commands
+from derivations import resonance_commands, simulation_commands, threshold_command
 from derivations.clash import find_clash
 from derivations.options import (
     JsonOption,
+    OmegaOption,
     OrderOption,
     PlotOption,
     number_of,
@@ -141,7 +142,7 @@ def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -
 
 @app.command()
 def evaluate(
-    omega: Annotated[str, typer.Option(metavar="Ω", help="Ω = ωx₀/c.")],
+    omega: OmegaOption,
     epsilon: Annotated[str, typer.Option(metavar="ε", help="Forcing amplitude, units of Z₀.")],
     order: OrderOption = "4",
     s: Annotated[str, typer.Option(help="Positions (x − x_c)/x₀ ≤ 0, comma-separated.")] = (
@@ -185,6 +186,8 @@ def evaluate(
 app.command()(resonance_commands.resonances)
 app.command()(resonance_commands.tongue)
 app.command()(resonance_commands.fold)
+app.command()(simulation_commands.simulate)
+app.command()(threshold_command.threshold)
 
 
 @app.command()
@@ -216,10 +219,11 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"ropewave: error: {clash}", file=sys.stderr)
         raise SystemExit(2)
     from asymptotics.errors import RopewaveError
+    from numerics.errors import NumericsError
 
     try:
         app(args=arguments, prog_name="ropewave")
-    except RopewaveError as error:
+    except (RopewaveError, NumericsError) as error:
         print(f"ropewave: error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
 

@@ -15,6 +15,7 @@ OrderOption = Annotated[str, typer.Option("--order", "-N", metavar="N", help="Hi
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 PlotOption = Annotated[Path | None, typer.Option("--plot", help="Draw: .png, .pdf or .svg.")]
 LatexOption = Annotated[Path | None, typer.Option("--latex", help="Write a LaTeX table.")]
+OmegaOption = Annotated[str, typer.Option("--omega", metavar="Ω", help="Ω = ωx₀/c.")]
 BetaOption = Annotated[str, typer.Option("--beta", metavar="β", help="B/(T x₀²).")]
 EndOption = Annotated[str, typer.Option("--driven-end", help="pinned or clamped.")]
 

@@ -10,24 +10,29 @@ from contextlib import contextmanager
 PATIENCE = 1.0
 """Seconds before anything is shown."""
 
+LINE_EVERY = 5.0
+"""Seconds between two lines of work with many small steps."""
+
 
 @contextmanager
-def progress(title: str, total: int, quiet: bool = False) -> Iterator[Callable[[int], None]]:
+def progress(
+    title: str, total: int, quiet: bool = False, fine: bool = False
+) -> Iterator[Callable[[int], None]]:
     """A function to call with the number of steps done, out of ``total``.
 
     On a terminal it moves a bar; elsewhere it writes a line a step, so that logs stay readable.
-    ``quiet`` (for machine-read output) keeps it to terminals.
+    ``quiet`` (for machine-read output) keeps it to terminals. ``fine`` is for steps that are many
+    and alike: it tells the time left, and writes a line every few seconds only.
     """
     started = time.monotonic()
     if sys.stderr.isatty():
         from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
+        from rich.progress import BarColumn, Progress
 
         with Progress(
             "{task.description}",
             BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
+            *_columns(fine),
             console=Console(stderr=True),
             transient=True,
         ) as bar:
@@ -40,9 +45,32 @@ def progress(title: str, total: int, quiet: bool = False) -> Iterator[Callable[[
             yield advance
         return
 
+    shown = started + PATIENCE - LINE_EVERY
+
     def report(done: int) -> None:
-        elapsed = time.monotonic() - started
-        if elapsed > PATIENCE and not quiet:
-            print(f"{title}: {done}/{total} ({elapsed:.1f} s)", file=sys.stderr, flush=True)
+        nonlocal shown
+        now = time.monotonic()
+        elapsed = now - started
+        if quiet or elapsed <= PATIENCE or (fine and now < shown + LINE_EVERY):
+            return
+        shown = now
+        text = f"{done}/{total} ({elapsed:.1f} s)"
+        if fine:
+            left = elapsed * (total - done) / max(done, 1)
+            text = f"{100 * done // total} % ({elapsed:.1f} s, {left:.0f} s left)"
+        print(f"{title}: {text}", file=sys.stderr, flush=True)
 
     yield report
+
+
+def _columns(fine: bool) -> list:
+    from rich.progress import (
+        MofNCompleteColumn,
+        TaskProgressColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    if fine:
+        return [TaskProgressColumn(), TimeElapsedColumn(), "left", TimeRemainingColumn()]
+    return [MofNCompleteColumn(), TimeElapsedColumn()]

@@ -138,7 +138,7 @@ def saving(
     Yields
     ------
     Progress
-        To be given to :func:`~numerics.contact.follow`.
+        To be given to :func:`~numerics.simulation.follow`.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def saving(
     Examples
     --------
     >>> import tempfile
-    >>> from numerics.contact import follow
+    >>> from numerics.simulation import follow
     >>> from numerics.drive import ramped_cosine
     >>> problem = RopeProblem(0.01, ramped_cosine(2.5, 0.05, 5))
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -4,18 +4,16 @@ A :class:`Simulator` carries a :class:`~numerics.semi_discrete.SemiDiscrete` sys
 with one of two independent, compiled integrators: :mod:`numerics.trapezoidal` (implicit, the
 default) and :mod:`numerics.verlet` (explicit). Every step yields a row of observables
 (:class:`~numerics.observables.Column`) with its energy ledger and both complementarity residuals.
-:func:`simulate` runs one to the end and keeps what is asked for.
-
-Memory does not grow with the length of a run: rows are handed out block by block.
+Rows are handed out block by block: memory does not grow with the length of a run.
+:func:`numerics.simulation.simulate` runs one to the end and keeps what is asked for.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +22,7 @@ from numerics.drive import Array, positive
 from numerics.errors import ActiveSetError, InputError
 from numerics.observables import COLUMNS, Column
 from numerics.problem import RopeProblem
-from numerics.semi_discrete import Flags, Grid, SemiDiscrete, State, rope
+from numerics.semi_discrete import Grid, SemiDiscrete, State, rope
 
 BLOCK = 1024
 """Steps between two looks at the drive; blocks start at its multiples, also after a restart."""
@@ -73,7 +71,8 @@ class Simulator:
     Raises
     ------
     InputError
-        dt ≤ 0, or beyond the stability limit; a grid that does not suit the problem.
+        dt ≤ 0, or beyond the stability limit; a grid that does not suit the problem; Verlet with
+        restitution and bending, where it gains energy.
 
     Examples
     --------
@@ -96,6 +95,12 @@ class Simulator:
         self.problem = problem
         self.grid = Grid() if grid is None else grid
         self.scheme = Scheme(scheme)
+        if self.scheme is Scheme.VERLET and problem.restitution > 0 and problem.beta > 0:
+            raise InputError(
+                f"restitution = {problem.restitution!r} with beta = {problem.beta!r}: the explicit "
+                "scheme gains energy at the rebounds of a stiff rope; take the trapezoidal scheme, "
+                "restitution = 0, or beta = 0"
+            )
         self.system = rope(problem, self.grid)
         self.dt = _check_step(dt, self.system, self.scheme)
         end = self._end(np.zeros(1))[0]
@@ -219,156 +224,6 @@ def steps_until(until: float, dt: float) -> int:
     10
     """
     return math.ceil(positive("until", until) / dt * (1 - 4 * np.finfo(float).eps))
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """What :func:`simulate` kept of a run.
-
-    Attributes
-    ----------
-    problem, grid, dt, scheme
-        Of which run.
-    times, rows
-        The rows kept, shapes (k,) and (k, COLUMNS).
-    snapshot_times, heights, velocities, held
-        Snapshots, shapes (s,) and (s, n); ``held`` is the contact set.
-    positions
-        ξ of the nodes, shape (n,).
-    end, end_time
-        The state at the end, and when that is.
-    ledger
-        (E, work, damped, lost) at the end.
-    unexplained
-        Largest change of energy in any step that the ledger does not explain: rounding.
-    lowest, reaction
-        Complementarity residuals: the smallest W and the smallest λ per unit length. All three are
-        of all steps since the rope was at rest.
-    """
-
-    problem: RopeProblem
-    grid: Grid
-    dt: float
-    scheme: Scheme
-    times: Array
-    rows: Array
-    snapshot_times: Array
-    heights: Array
-    velocities: Array
-    held: Flags
-    positions: Array
-    end: State
-    end_time: float
-    ledger: Array
-    unexplained: float
-    lowest: float
-    reaction: float
-
-    def column(self, name: Any) -> Array:
-        """One :class:`~numerics.observables.Column` of the rows, shape (k,)."""
-        return self.rows[:, int(name)]
-
-
-def simulate(
-    problem: RopeProblem,
-    until: float,
-    grid: Grid | None = None,
-    dt: float | None = None,
-    scheme: Scheme | str = Scheme.TRAPEZOIDAL,
-    record_from: float | None = None,
-    snapshots: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Run:
-    """Simulate from rest to the time ``until``.
-
-    Parameters
-    ----------
-    problem, grid, dt, scheme
-        See :class:`Simulator`.
-    record_from
-        Rows are kept from this time on. By default of the last forcing period only (of a drive
-        without a period: none), so that memory does not grow with the run.
-    snapshots
-        Time between snapshots of the whole rope, rounded to steps; by default there are none.
-    progress
-        Called with the steps done and their total.
-
-    Raises
-    ------
-    InputError, ActiveSetError
-        As the :class:`Simulator`.
-
-    Examples
-    --------
-    >>> from numerics.drive import ramped_cosine
-    >>> drive = ramped_cosine(2.5, 0.05, periods=5)
-    >>> run = simulate(RopeProblem(0.01, drive), 6 * drive.period, snapshots=drive.period / 8)
-    >>> run.heights.shape, bool(run.lowest >= 0), bool(run.reaction > -1e-6)
-    ((49, 799), True, True)
-    """
-    simulator = Simulator(problem, grid, dt, scheme)
-    return follow(simulator, until, record_from, snapshots, progress)
-
-
-def follow(
-    simulator: Simulator,
-    until: float,
-    record_from: float | None = None,
-    snapshots: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Run:
-    """As :func:`simulate`, from wherever the simulator stands."""
-    last = steps_until(until, simulator.dt)
-    if last <= simulator.step:
-        raise InputError(
-            f"until = {until!r} is not after the time tau = {simulator.time:.6g} that the "
-            "simulator has reached; give a later time"
-        )
-    if record_from is None:
-        omega = simulator.problem.drive.omega
-        record_from = math.inf if omega is None else until - 2 * math.pi / omega
-    stride = (
-        0 if snapshots is None else max(round(positive("snapshots", snapshots) / simulator.dt), 1)
-    )
-    every = stride or BLOCK
-    times_seen, frames = ([simulator.time], [_copy(simulator.state)]) if stride else ([], [])
-    kept: list[Block] = []
-    for times, rows in simulator.blocks(until, every):
-        late = times >= record_from
-        if late.any():
-            kept.append(Block(times[late], rows[late]))
-        if stride and simulator.step % stride == 0:
-            times_seen.append(simulator.time)
-            frames.append(_copy(simulator.state))
-        if progress is not None:
-            progress(simulator.step, last)
-    return Run(
-        problem=simulator.problem,
-        grid=simulator.grid,
-        dt=simulator.dt,
-        scheme=simulator.scheme,
-        times=np.concatenate([np.empty(0), *(block.times for block in kept)]),
-        rows=np.concatenate([np.empty((0, COLUMNS)), *(block.rows for block in kept)]),
-        snapshot_times=np.array(times_seen, float),
-        heights=_stack([frame.height for frame in frames], simulator),
-        velocities=_stack([frame.velocity for frame in frames], simulator),
-        held=_stack([frame.active for frame in frames], simulator).astype(bool),
-        positions=simulator.system.positions,
-        end=_copy(simulator.state),
-        end_time=simulator.time,
-        ledger=simulator.ledger.copy(),
-        unexplained=simulator.unexplained,
-        lowest=simulator.lowest,
-        reaction=simulator.reaction,
-    )
-
-
-def _copy(state: State) -> State:
-    return State(state.height.copy(), state.velocity.copy(), state.active.copy())
-
-
-def _stack(parts: list[Any], simulator: Simulator) -> Any:
-    return np.array(parts).reshape(-1, simulator.system.size)
 
 
 def _check_step(dt: float | None, system: SemiDiscrete, scheme: Scheme) -> float:

@@ -60,3 +60,7 @@ class FileError(NumericsError):
 
 class MissingPackageError(NumericsError, ImportError):
     """A package that only this task needs is not installed."""
+
+
+class ThresholdNotFoundError(NumericsError):
+    """No loss of the wave-less state was found in the range of amplitudes that is searched."""

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any
 from numerics.errors import FileError
 
 if TYPE_CHECKING:
-    from numerics.contact import Run, Simulator
+    from numerics.contact import Simulator
+    from numerics.simulation import Run
 
 Specification = dict[str, Any]
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from numerics.contact import Run, Scheme
+from numerics.contact import Scheme
 from numerics.errors import FileError, InputError, MissingPackageError
 from numerics.files import (
     Specification,
@@ -25,6 +25,7 @@ from numerics.files import (
     write_sealed,
 )
 from numerics.observables import Column
+from numerics.simulation import Run
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -66,7 +67,7 @@ def dataset(run: Run) -> Dataset:
 
     Examples
     --------
-    >>> from numerics.contact import simulate
+    >>> from numerics.simulation import simulate
     >>> from numerics.drive import ramped_cosine
     >>> from numerics.problem import RopeProblem
     >>> drive = ramped_cosine(2.5, 0.05, periods=5)
@@ -134,7 +135,7 @@ def save(run: Run | Dataset, path: Path | str, force: bool = False) -> None:
     Examples
     --------
     >>> import tempfile
-    >>> from numerics.contact import simulate
+    >>> from numerics.simulation import simulate
     >>> from numerics.drive import ramped_cosine
     >>> from numerics.problem import RopeProblem
     >>> run = simulate(RopeProblem(0.01, ramped_cosine(2.5, 0.05, 5)), 15.0)

@@ -17,10 +17,11 @@ from importlib.metadata import version
 
 import numpy as np
 
-from numerics.contact import Simulator, follow
+from numerics.contact import Simulator
 from numerics.drive import cosine
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid
+from numerics.simulation import follow
 from tests.benchmarks.forced_rope import (
     BETA,
     EPSILON,

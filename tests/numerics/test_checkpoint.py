@@ -14,12 +14,13 @@ import numpy as np
 import pytest
 
 from numerics.checkpoint import KIND, resume, save_checkpoint, saving, start_or_resume
-from numerics.contact import BLOCK, Scheme, Simulator, follow
+from numerics.contact import BLOCK, Scheme, Simulator
 from numerics.drive import Drive, at_rest, cosine, ramped_cosine
 from numerics.errors import FileError, InputError
 from numerics.observables import Column
 from numerics.problem import DrivenEnd, RopeProblem
 from numerics.semi_discrete import Grid
+from numerics.simulation import follow
 
 STEPS = 2000
 CASES = {

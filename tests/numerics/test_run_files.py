@@ -17,7 +17,7 @@ import pytest
 import xarray
 
 from numerics.checkpoint import save_checkpoint
-from numerics.contact import Run, Simulator, simulate
+from numerics.contact import Simulator
 from numerics.drive import at_rest, cosine
 from numerics.errors import FileError, InputError, MissingPackageError
 from numerics.files import replace_file
@@ -25,6 +25,7 @@ from numerics.observables import Column
 from numerics.problem import DrivenEnd, RopeProblem
 from numerics.run_files import dataset, load, save
 from numerics.semi_discrete import Grid
+from numerics.simulation import Run, simulate
 
 PROBLEM = RopeProblem(0.01, cosine(3.5, 0.5), DrivenEnd.CLAMPED, damping=0.02, restitution=0.25)
 GRID = Grid(0.025, length=7.0, sponge=2.5, strength=2.0)

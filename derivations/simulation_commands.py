@@ -1,0 +1,197 @@
+"""``ropewave simulate``: the rope in contact with the ground, step by step."""
+
+from __future__ import annotations
+
+import errno
+import importlib
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from derivations.options import (
+    BetaOption,
+    EndOption,
+    JsonOption,
+    OmegaOption,
+    PlotOption,
+    number_of,
+)
+from derivations.resonance_commands import show
+
+if TYPE_CHECKING:
+    from derivations.simulation_run import Watched
+    from numerics.contact import Simulator
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
+
+def simulate(
+    omega: OmegaOption,
+    epsilon: Annotated[str, typer.Option(metavar="ε", help="Forcing amplitude, units of Z₀.")],
+    beta: BetaOption = "0.01",
+    periods: Annotated[
+        str | None, typer.Option(help="Forcing periods in all; default: ramp + 10.")
+    ] = None,
+    ramp: Annotated[str, typer.Option(help="Periods over which ε rises; 0: at once.")] = "20",
+    keep: Annotated[
+        str, typer.Option(help="Periods at the end that go to --out, --plot, --animate.")
+    ] = "4",
+    dx: Annotated[
+        str | None, typer.Option(help="Spacing; default: 0.01, or round below √β/20.")
+    ] = None,
+    dt: Annotated[str | None, typer.Option(help="Time step; default: dx, or stable.")] = None,
+    length: Annotated[str, typer.Option(help="Of the domain, in x₀.")] = "8",
+    sponge: Annotated[str, typer.Option(help="Its last part, which absorbs waves.")] = "3",
+    scheme: Annotated[
+        str, typer.Option(help="trapezoidal (implicit) or verlet (explicit).")
+    ] = "trapezoidal",
+    driven_end: EndOption = "pinned",
+    damping: Annotated[str, typer.Option(help="ζ: free waves decay as exp(−ζτ).")] = "0",
+    restitution: Annotated[str, typer.Option(help="0 … 1, of speed in an impact.")] = "0",
+    out: Annotated[Path | None, typer.Option(help="Write a netCDF file, .nc.")] = None,
+    plot: PlotOption = None,
+    animate: Annotated[Path | None, typer.Option(help="Write an animation, .gif.")] = None,
+    checkpoint: Annotated[
+        Path | None, typer.Option(help="Save the state here as it goes, and resume from it.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Simulate a rope that is shaken: does it follow, or does it shed waves?"""
+    need("numba")
+    from derivations import simulation_report as report
+    from derivations.progress import progress
+    from derivations.simulation_run import default_dx, drive_of, watch
+    from numerics.contact import Simulator
+    from numerics.problem import DrivenEnd, RopeProblem
+    from numerics.semi_discrete import Grid
+
+    amplitude = number_of("--epsilon", epsilon)
+    rise = number_of("--ramp", ramp)
+    drive = drive_of(number_of("--omega", omega), amplitude, rise)
+    problem = RopeProblem(
+        number_of("--beta", beta),
+        drive,
+        DrivenEnd(driven_end),
+        number_of("--damping", damping),
+        number_of("--restitution", restitution),
+    )
+    grid = Grid(
+        default_dx(problem.beta) if dx is None else number_of("--dx", dx),
+        number_of("--length", length),
+        number_of("--sponge", sponge),
+    )
+    step = None if dt is None else number_of("--dt", dt)
+    total = rise + 10 if periods is None else number_of("--periods", periods)
+    _check_files(Simulator(problem, grid, step, scheme), out, plot, animate)
+    try:
+        with progress("simulating", 1000, as_json, fine=True) as tell:
+            watched = watch(
+                problem,
+                amplitude,
+                rise,
+                total,
+                grid,
+                step,
+                scheme,
+                number_of("--keep", keep),
+                checkpoint,
+                lambda done, last: tell(1000 * done // last),
+            )
+    except KeyboardInterrupt:
+        if checkpoint is not None:
+            print(f"interrupted; the same command goes on from {checkpoint}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    _write(watched, out, plot, animate, as_json)
+    show(report.as_json(watched), report.as_text(watched), as_json)
+    for path in (out, plot, animate):
+        if path is not None:
+            print(f"wrote {path}", file=sys.stderr)
+
+
+def need(package: str) -> None:
+    """That an optional package is there, or one clear error."""
+    from numerics.errors import MissingPackageError
+
+    try:
+        importlib.import_module(package)
+    except ImportError:
+        raise MissingPackageError(
+            f"{package} is needed to simulate; pip install 'ropewave[sim]'"
+        ) from None
+
+
+def _check_files(
+    simulator: Simulator, out: Path | None, plot: Path | None, animate: Path | None
+) -> None:
+    """All that can be wrong with the files to be written, before the long work."""
+    from asymptotics.errors import InputError
+    from derivations.animation import check_animation_path
+    from derivations.plots import check_plot_path
+
+    if plot is not None:
+        check_plot_path(plot)
+    if animate is not None:
+        check_animation_path(animate)
+    if out is not None:
+        if out.suffix.lower() != ".nc":
+            raise InputError(f"--out {out.name!r}: netCDF files end in .nc")
+        for package in ("xarray", "h5netcdf", "h5py"):
+            need(package)
+        if out.exists():
+            _check_same_run(simulator, out)
+    for path in (out, plot, animate):
+        if path is not None:
+            _check_writable(path)
+
+
+def _check_same_run(simulator: Simulator, out: Path) -> None:
+    """That a file which would be replaced holds the same run."""
+    from numerics.errors import FileError
+    from numerics.files import differences, specification
+    from numerics.run_files import load
+
+    found = json.loads(load(out).attrs["specification"])
+    what = differences(found, specification(simulator))
+    if what:
+        raise FileError(f"{out} holds another run: {what}. Choose another name, or delete it")
+
+
+def _check_writable(path: Path) -> None:
+    from asymptotics.errors import StorageError
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    except OSError as error:
+        raise StorageError(
+            f"cannot write {path}: {error.strerror or error}. Choose another file"
+        ) from error
+
+
+def _write(
+    watched: Watched, out: Path | None, plot: Path | None, animate: Path | None, quiet: bool
+) -> None:
+    if out is not None:
+        from numerics.run_files import save
+
+        save(watched.run, out)
+    if plot is not None:
+        from derivations.simulation_plots import plot_run
+
+        plot_run(watched.run, plot, watched.epsilon)
+    if animate is not None:
+        from derivations.animation import animate_run, animation_frames
+        from derivations.progress import progress
+
+        frames = len(animation_frames(watched.run))
+        with progress("animating", frames, quiet, fine=True) as report:
+            animate_run(watched.run, animate, watched.epsilon, report)

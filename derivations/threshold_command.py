@@ -1,0 +1,80 @@
+"""``ropewave threshold``: the amplitude at which the rope begins to shed waves."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from derivations.options import BetaOption, JsonOption, OmegaOption, number_of
+from derivations.resonance_commands import show
+from derivations.simulation_commands import need
+
+if TYPE_CHECKING:
+    from numerics.threshold import Threshold
+
+
+def threshold(
+    omega: OmegaOption,
+    beta: BetaOption = "0.01",
+    dx: Annotated[
+        str | None, typer.Option(help="Spacing of the base runs; default: √β/10.")
+    ] = None,
+    relative: Annotated[str, typer.Option(help="Relative width of each bracket.")] = "0.01",
+    quick: Annotated[bool, typer.Option("--quick", help="The base settings only.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """ε_c: where a ramped run loses the wave-less state, as an interval, and how."""
+    need("numba")
+    from derivations.progress import progress
+    from numerics.drive import non_negative
+    from numerics.ramped_run import base_settings
+    from numerics.threshold import threshold as compute
+    from numerics.threshold import variations
+
+    stiffness = non_negative("beta", number_of("--beta", beta))
+    base = base_settings(stiffness, None if dx is None else number_of("--dx", dx))
+    total = 1 if quick else len(variations(base))
+    with progress("bracketing", total, as_json) as report:
+        found = compute(
+            number_of("--omega", omega),
+            stiffness,
+            base,
+            quick,
+            number_of("--relative", relative),
+            progress=lambda done, _: report(done),
+        )
+    show(threshold_json(found), threshold_text(found), as_json)
+
+
+def threshold_json(found: Threshold) -> dict[str, Any]:
+    """All of a threshold as plain numbers and words, the brackets in ``runs``."""
+    from derivations.simulation_report import finite
+
+    plain: dict[str, Any] = finite({"command": "threshold", **asdict(found)})
+    return plain
+
+
+def threshold_text(found: Threshold) -> str:
+    """The interval, how the state is lost, and a line for each setting."""
+    lines = [
+        f"Omega = {found.omega:g}, beta = {found.beta:g}",
+        f"the wave-less state is lost at {found.lower:.4g} < epsilon < {found.upper:.4g}; "
+        f"mechanism: {found.mechanism.value}",
+        f"{'setting':>16}  {'lower':>9}  {'upper':>9}  {'lost after':>10}  {'runs':>4}  mechanism",
+    ]
+    for run in found.runs:
+        when = f"{run.lost.periods:.1f} of {run.settings.ramp + run.settings.hold:g}"
+        lines.append(
+            f"{run.change.value:>16}  {run.lower:9.6f}  {run.upper:9.6f}  {when:>10}  "
+            f"{run.count:4d}  {run.mechanism.value}"
+        )
+    base = found.runs[0].settings
+    lines.append(
+        f"base: dx = {base.dx:g}, ramp {base.ramp:g} and hold {base.hold:g} forcing periods, a "
+        f"wave is higher than {base.height:.2g} Z0"
+    )
+    if len(found.runs) == 1:
+        lines.append("one setting only: what the answer depends on was not tried")
+    return "\n".join(lines)

@@ -1,0 +1,196 @@
+"""A simulated run from beginning to end, and what is kept of it.
+
+:func:`simulate` starts from rest, :func:`follow` goes on from where a
+:class:`~numerics.contact.Simulator` stands. By default they keep the last forcing period; memory
+grows with what is asked for, not with the length of the run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from numerics.contact import BLOCK, Block, Scheme, Simulator, steps_until
+from numerics.drive import Array, positive
+from numerics.errors import InputError
+from numerics.observables import COLUMNS, Column
+from numerics.problem import RopeProblem
+from numerics.semi_discrete import Flags, Grid, State
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What :func:`simulate` kept of a run.
+
+    Attributes
+    ----------
+    problem, grid, dt, scheme
+        Of which run.
+    times, rows
+        The rows kept, shapes (k,) and (k, COLUMNS).
+    snapshot_times, heights, velocities, held
+        Snapshots, shapes (s,) and (s, n); ``held`` is the contact set.
+    positions
+        ξ of the nodes, shape (n,).
+    end, end_time
+        The state at the end, and when that is.
+    ledger
+        (E, work, damped, lost) at the end.
+    unexplained
+        Largest change of energy in any step that the ledger does not explain: rounding.
+    lowest, reaction
+        Complementarity residuals: the smallest W and the smallest λ per unit length. All three are
+        of all steps since the rope was at rest.
+    """
+
+    problem: RopeProblem
+    grid: Grid
+    dt: float
+    scheme: Scheme
+    times: Array
+    rows: Array
+    snapshot_times: Array
+    heights: Array
+    velocities: Array
+    held: Flags
+    positions: Array
+    end: State
+    end_time: float
+    ledger: Array
+    unexplained: float
+    lowest: float
+    reaction: float
+
+    def column(self, name: Any) -> Array:
+        """One :class:`~numerics.observables.Column` of the rows, shape (k,)."""
+        return self.rows[:, int(name)]
+
+    def smooth_contact(self) -> Array:
+        """ξ_c without the noise of single nodes, at the times of the rows, shape (k,).
+
+        A parabola is fitted over √dx around each time (Savitzky–Golay). Against exact motions the
+        rms error of ξ_c at dx = 0.01 falls from 8e-4 to 6e-4 (β = 0) and from 1.0e-3 to 3e-4
+        (β = 0.01), at dx = 0.0025 from 1.9e-4 to 8e-5 and from 6e-4 to 1.3e-4. Jumps of ξ_c, when
+        a wave leaves, are smeared.
+
+        Raises
+        ------
+        InputError
+            Fewer rows than the span holds.
+        """
+        from scipy.signal import savgol_filter
+
+        window = 2 * round(math.sqrt(self.grid.dx) / self.dt / 2) + 1
+        window = max(window, 5)
+        if len(self.times) < window:
+            raise InputError(
+                f"{len(self.times)} rows are kept of this run and smoothing spans {window}; keep "
+                "more, with an earlier record_from"
+            )
+        return np.asarray(savgol_filter(self.column(Column.CONTACT), window, 2))
+
+
+def simulate(
+    problem: RopeProblem,
+    until: float,
+    grid: Grid | None = None,
+    dt: float | None = None,
+    scheme: Scheme | str = Scheme.TRAPEZOIDAL,
+    record_from: float | None = None,
+    snapshots: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Run:
+    """Simulate from rest to the time ``until``.
+
+    Parameters
+    ----------
+    problem, grid, dt, scheme
+        See :class:`Simulator`.
+    record_from
+        Rows are kept from this time on. By default of the last forcing period only (of a drive
+        without a period: none), so that memory does not grow with the run.
+    snapshots
+        Time between snapshots of the whole rope, rounded to steps; by default there are none.
+    progress
+        Called with the steps done and their total.
+
+    Raises
+    ------
+    InputError, ActiveSetError
+        As the :class:`Simulator`.
+
+    Examples
+    --------
+    >>> from numerics.drive import ramped_cosine
+    >>> drive = ramped_cosine(2.5, 0.05, periods=5)
+    >>> run = simulate(RopeProblem(0.01, drive), 6 * drive.period, snapshots=drive.period / 8)
+    >>> run.heights.shape, bool(run.lowest >= 0), bool(run.reaction > -1e-6)
+    ((49, 799), True, True)
+    """
+    simulator = Simulator(problem, grid, dt, scheme)
+    return follow(simulator, until, record_from, snapshots, progress)
+
+
+def follow(
+    simulator: Simulator,
+    until: float,
+    record_from: float | None = None,
+    snapshots: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Run:
+    """As :func:`simulate`, from wherever the simulator stands."""
+    last = steps_until(until, simulator.dt)
+    if last <= simulator.step:
+        raise InputError(
+            f"until = {until!r} is not after the time tau = {simulator.time:.6g} that the "
+            "simulator has reached; give a later time"
+        )
+    if record_from is None:
+        omega = simulator.problem.drive.omega
+        record_from = math.inf if omega is None else until - 2 * math.pi / omega
+    stride = (
+        0 if snapshots is None else max(round(positive("snapshots", snapshots) / simulator.dt), 1)
+    )
+    every = stride or BLOCK
+    times_seen, frames = ([simulator.time], [_copy(simulator.state)]) if stride else ([], [])
+    kept: list[Block] = []
+    for times, rows in simulator.blocks(until, every):
+        late = times >= record_from
+        if late.any():
+            kept.append(Block(times[late], rows[late]))
+        if stride and simulator.step % stride == 0:
+            times_seen.append(simulator.time)
+            frames.append(_copy(simulator.state))
+        if progress is not None:
+            progress(simulator.step, last)
+    return Run(
+        problem=simulator.problem,
+        grid=simulator.grid,
+        dt=simulator.dt,
+        scheme=simulator.scheme,
+        times=np.concatenate([np.empty(0), *(block.times for block in kept)]),
+        rows=np.concatenate([np.empty((0, COLUMNS)), *(block.rows for block in kept)]),
+        snapshot_times=np.array(times_seen, float),
+        heights=_stack([frame.height for frame in frames], simulator),
+        velocities=_stack([frame.velocity for frame in frames], simulator),
+        held=_stack([frame.active for frame in frames], simulator).astype(bool),
+        positions=simulator.system.positions,
+        end=_copy(simulator.state),
+        end_time=simulator.time,
+        ledger=simulator.ledger.copy(),
+        unexplained=simulator.unexplained,
+        lowest=simulator.lowest,
+        reaction=simulator.reaction,
+    )
+
+
+def _copy(state: State) -> State:
+    return State(state.height.copy(), state.velocity.copy(), state.active.copy())
+
+
+def _stack(parts: list[Any], simulator: Simulator) -> Any:
+    return np.array(parts).reshape(-1, simulator.system.size)

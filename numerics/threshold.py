@@ -1,0 +1,294 @@
+r"""ε_c(Ω, β): where a ramped run loses the wave-less state, as an interval.
+
+ε_c is bracketed by a scan from below, for the loss is not monotone in ε, and bisection. Everything
+that the answer depends on and should not, dx, dt, ramp, hold, the height that counts as a wave and
+the integrator (:mod:`numerics.ramped_run`), is then changed one at a time, and the interval covers
+all of these brackets.
+
+It is the threshold of a *ramped run of finite length*. Near a resonance a state that has ended is
+left slowly, over many periods, and a short hold does not see it; a short ramp excites beats, which
+lose it too early. Both make the interval wide there, and rightly so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from numerics.contact import Scheme
+from numerics.drive import Array, Drive, check_amplitude, non_negative, positive
+from numerics.errors import ThresholdNotFoundError
+from numerics.events import pulse_length
+from numerics.ramped_run import Outcome, Settings, base_settings, run_once, watch
+
+LOWEST, HIGHEST = 1e-4, 0.9
+"""The amplitudes between which the loss is looked for."""
+
+START, STEP = 1.5, 1.1
+"""How far below a guess the scan begins, and the ratio of its amplitudes."""
+
+GROWING = 1.1
+"""The growth in five periods from which on a swing is growing."""
+
+AGREEING = 2 / 3
+"""The part of the runs that must show one mechanism for it to be that of the threshold."""
+
+
+class Mechanism(Enum):
+    """How the wave-less state was lost: the first of these that the lost run shows."""
+
+    RESONANT_GROWTH = "resonant growth"
+    """The swing of ξ_c was growing faster than ε, by 10 % in the last five periods: the slow motion
+    beyond a fold, or a beat with the free oscillation. Nothing damps the wave-less rope, so that
+    only slower ramps tell the two apart."""
+    NEW_CONTACT = "new contact"
+    """The swing was steady, and the rope came down before the contact point and cut off at least
+    half the length of the pulse of height h in one step: grazing."""
+    SONIC_CONTACT = "sonic contact"
+    """The swing was steady, no such cut was resolved, and in the last period the contact point had
+    moved faster than 1, beyond the standard error."""
+    UNDECIDED = "undecided"
+    """None of these was seen, or too few of the runs agree."""
+
+
+class Change(Enum):
+    """Which of the base settings a bracket has changed."""
+
+    BASE = "base"
+    GRID = "dx/2"
+    STEP = "dt/2"
+    RAMP = "ramp × 4"
+    HOLD = "hold × 4"
+    HEIGHT = "height × 10"
+    SCHEME = "other integrator"
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """ε_c under one set of settings: ``stayed`` at lower, ``lost`` at upper.
+
+    Attributes
+    ----------
+    change, settings
+        Which.
+    lower, upper
+        The largest amplitude below the first loss that stayed, and the smallest that did not.
+    mechanism
+        Of the lost run.
+    stayed, lost
+        The two runs. Where ``stayed.growth`` exceeds 1 the hold was too short to tell.
+    count
+        How many runs it took.
+    """
+
+    change: Change
+    settings: Settings
+    lower: float
+    upper: float
+    mechanism: Mechanism
+    stayed: Outcome
+    lost: Outcome
+    count: int
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """ε_c as an interval.
+
+    Attributes
+    ----------
+    omega, beta
+        Ω and β.
+    lower, upper
+        The smallest ``lower`` and the largest ``upper`` of all runs.
+    mechanism
+        What two thirds of the runs show; UNDECIDED if there is no such agreement.
+    runs
+        The brackets, the base first.
+    """
+
+    omega: float
+    beta: float
+    lower: float
+    upper: float
+    mechanism: Mechanism
+    runs: tuple[Bracket, ...]
+
+
+def bracket(
+    omega: float,
+    beta: float,
+    settings: Settings,
+    change: Change = Change.BASE,
+    relative: float = 0.01,
+    near: float | None = None,
+) -> Bracket:
+    """The first loss from below, to the relative width given.
+
+    The scan starts at ⅔ of ``near``, or lower while that is lost, and goes up by 10 % a run; a loss
+    below its start, or between two of its runs that both stay, is not seen. Without ``near``
+    it is where a run is lost whose amplitude doubles every 8 periods.
+
+    Raises
+    ------
+    InputError
+        A parameter outside its range.
+    ThresholdNotFoundError
+        Lost at the smallest amplitude that is tried, or not at the largest.
+
+    Examples
+    --------
+    >>> coarse = Settings(dx=0.025, height=1e-3, ramp=5, hold=2)
+    >>> found = bracket(2.9, 0.01, coarse, relative=0.05)
+    >>> found.lower < found.upper <= 1.05 * found.lower * (1 + 1e-12)
+    True
+    """
+    omega, relative = positive("omega", omega), positive("relative", relative)
+    epsilon = (_sweep(omega, beta, settings) if near is None else positive("near", near)) / START
+    stayed, lost, count = None, None, 0
+    while stayed is None or lost is None:
+        _check_range(omega, beta, epsilon)
+        outcome = run_once(omega, epsilon, beta, settings)
+        count += 1
+        if outcome.stayed:
+            stayed, epsilon = outcome, epsilon * STEP
+        elif stayed is None:
+            epsilon /= 1.5
+        else:
+            lost = outcome
+    while lost.epsilon > stayed.epsilon * (1 + relative):
+        outcome = run_once(omega, math.sqrt(stayed.epsilon * lost.epsilon), beta, settings)
+        count += 1
+        stayed, lost = (outcome, lost) if outcome.stayed else (stayed, outcome)
+    how = mechanism(lost, pulse_length(beta, settings.height, settings.dx))
+    return Bracket(change, settings, stayed.epsilon, lost.epsilon, how, stayed, lost, count)
+
+
+def threshold(
+    omega: float,
+    beta: float,
+    base: Settings | None = None,
+    quick: bool = False,
+    relative: float = 0.01,
+    near: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Threshold:
+    """ε_c(Ω, β) as the interval that covers all settings, or with ``quick`` the base alone.
+
+    Parameters
+    ----------
+    omega, beta
+        Ω > 0 and 0 ≤ β ≤ 1.
+    base
+        By default :func:`~numerics.ramped_run.base_settings`.
+    quick
+        Only the base settings: a bracket, which says nothing about its error.
+    relative
+        Width of each bracket.
+    near
+        A guess, e.g. the threshold at a neighbouring Ω.
+    progress
+        Called with the brackets done and their total.
+
+    Raises
+    ------
+    InputError, ThresholdNotFoundError
+        As :func:`bracket`.
+
+    Examples
+    --------
+    >>> coarse = Settings(dx=0.025, height=1e-3, ramp=5, hold=2)
+    >>> found = threshold(2.9, 0.01, coarse, quick=True, relative=0.05)
+    >>> len(found.runs), found.lower == found.runs[0].lower
+    (1, True)
+    """
+    beta = non_negative("beta", beta)
+    base = base_settings(beta) if base is None else base
+    cases = {Change.BASE: base} if quick else variations(base)
+    runs: list[Bracket] = []
+    for change, settings in cases.items():
+        guess = runs[0].upper if runs else near
+        runs.append(bracket(omega, beta, settings, change, relative, guess))
+        if progress is not None:
+            progress(len(runs), len(cases))
+    seen = [run.mechanism for run in runs]
+    most = max(Mechanism, key=seen.count)
+    return Threshold(
+        omega,
+        beta,
+        min(run.lower for run in runs),
+        max(run.upper for run in runs),
+        most if seen.count(most) >= AGREEING * len(seen) else Mechanism.UNDECIDED,
+        tuple(runs),
+    )
+
+
+def variations(base: Settings) -> dict[Change, Settings]:
+    """The base settings and those that differ from them in one thing.
+
+    Examples
+    --------
+    >>> [change.value for change in variations(base_settings(0.01))]
+    ['base', 'dx/2', 'dt/2', 'ramp × 4', 'hold × 4', 'height × 10', 'other integrator']
+    """
+    implicit = base.scheme is Scheme.TRAPEZOIDAL
+    other = Scheme.VERLET if implicit else Scheme.TRAPEZOIDAL
+    return {
+        Change.BASE: base,
+        Change.GRID: replace(base, dx=base.dx / 2, dt=None if base.dt is None else base.dt / 4),
+        Change.STEP: replace(base, refine=2 * base.refine),
+        Change.RAMP: replace(base, ramp=4 * base.ramp),
+        Change.HOLD: replace(base, hold=4 * base.hold),
+        Change.HEIGHT: replace(base, height=10 * base.height),
+        Change.SCHEME: replace(base, scheme=other, dt=None),
+    }
+
+
+def mechanism(lost: Outcome, length: float) -> Mechanism:
+    """What a lost run shows; ``length`` is that of the smallest wave that counts."""
+    if lost.growth > GROWING:
+        return Mechanism.RESONANT_GROWTH
+    if lost.cut >= length / 2:
+        return Mechanism.NEW_CONTACT
+    if lost.speed is not None and abs(lost.speed.value) - lost.speed.error > 1:
+        return Mechanism.SONIC_CONTACT
+    return Mechanism.UNDECIDED
+
+
+def _sweep(omega: float, beta: float, settings: Settings) -> float:
+    """Where a run is lost whose amplitude, LOWEST (cosh gτ − 1), doubles every 8 periods."""
+    omega, highest = check_amplitude(omega, HIGHEST)
+    rate = math.log(2) / 8 * omega / (2 * math.pi)
+
+    def amplitude(t: Array) -> Array:
+        return np.asarray(LOWEST * (np.cosh(rate * t) - 1))
+
+    drive = Drive(
+        lambda t: 1 + amplitude(t) * np.cos(omega * t),
+        lambda t: (
+            LOWEST * rate * np.sinh(rate * t) * np.cos(omega * t)
+            - omega * amplitude(t) * np.sin(omega * t)
+        ),
+        f"sweep {omega!r}",
+        omega,
+    )
+    until = math.acosh(1 + highest / LOWEST) / rate
+    lost = watch(drive, highest, amplitude, beta, settings, until)
+    return max(float(amplitude(np.array(lost.periods * drive.period))), 2 * LOWEST)
+
+
+def _check_range(omega: float, beta: float, epsilon: float) -> None:
+    if epsilon > HIGHEST:
+        raise ThresholdNotFoundError(
+            f"Omega = {omega!r}, beta = {beta!r}: no wave left up to epsilon = {HIGHEST}; hold "
+            "longer, or take a higher Omega"
+        )
+    if epsilon < LOWEST:
+        raise ThresholdNotFoundError(
+            f"Omega = {omega!r}, beta = {beta!r}: a wave leaves even at epsilon = {LOWEST}; ramp "
+            "longer, or let only higher waves count"
+        )
