@@ -14,7 +14,12 @@ from typing import Annotated, Any
 
 import typer
 
-from derivations import resonance_commands, simulation_commands, threshold_command
+from derivations import (
+    figure2_command,
+    resonance_commands,
+    simulation_commands,
+    threshold_command,
+)
 from derivations.clash import find_clash
 from derivations.options import (
     JsonOption,
@@ -188,6 +193,7 @@ app.command()(resonance_commands.tongue)
 app.command()(resonance_commands.fold)
 app.command()(simulation_commands.simulate)
 app.command()(threshold_command.threshold)
+app.command()(figure2_command.figure2)
 
 
 @app.command()

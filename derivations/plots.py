@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,8 @@ def save_figure(figure: Any, path: Path) -> None:
     }[suffix]
     from matplotlib import rc_context
 
+    # Embedding fonts, fontTools warns of the time stamps inside them.
+    logging.getLogger("fontTools").setLevel(logging.ERROR)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with rc_context(figure_style()):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import importlib
-import json
 import os
 import sys
 import tempfile
@@ -88,7 +87,8 @@ def simulate(
     )
     step = None if dt is None else number_of("--dt", dt)
     total = rise + 10 if periods is None else number_of("--periods", periods)
-    _check_files(Simulator(problem, grid, step, scheme), out, plot, animate)
+    simulator = Simulator(problem, grid, step, scheme)
+    _check_files(simulator, total * drive.period, out, plot, animate, checkpoint)
     try:
         with progress("simulating", 1000, as_json, fine=True) as tell:
             watched = watch(
@@ -127,13 +127,22 @@ def need(package: str) -> None:
 
 
 def _check_files(
-    simulator: Simulator, out: Path | None, plot: Path | None, animate: Path | None
+    simulator: Simulator,
+    until: float,
+    out: Path | None,
+    plot: Path | None,
+    animate: Path | None,
+    checkpoint: Path | None,
 ) -> None:
     """All that can be wrong with the files to be written, before the long work."""
     from asymptotics.errors import InputError
     from derivations.animation import check_animation_path
     from derivations.plots import check_plot_path
 
+    named = [given.resolve() for given in (out, plot, animate, checkpoint) if given is not None]
+    for given in named:
+        if named.count(given) > 1:
+            raise InputError(f"{given.name} is named twice; each file needs a name of its own")
     if plot is not None:
         check_plot_path(plot)
     if animate is not None:
@@ -144,22 +153,13 @@ def _check_files(
         for package in ("xarray", "h5netcdf", "h5py"):
             need(package)
         if out.exists():
-            _check_same_run(simulator, out)
+            from numerics.files import specification
+            from numerics.run_files import check_replaceable
+
+            check_replaceable(out, specification(simulator), until + simulator.dt)
     for path in (out, plot, animate):
         if path is not None:
             _check_writable(path)
-
-
-def _check_same_run(simulator: Simulator, out: Path) -> None:
-    """That a file which would be replaced holds the same run."""
-    from numerics.errors import FileError
-    from numerics.files import differences, specification
-    from numerics.run_files import load
-
-    found = json.loads(load(out).attrs["specification"])
-    what = differences(found, specification(simulator))
-    if what:
-        raise FileError(f"{out} holds another run: {what}. Choose another name, or delete it")
 
 
 def _check_writable(path: Path) -> None:
@@ -181,9 +181,10 @@ def _write(
     watched: Watched, out: Path | None, plot: Path | None, animate: Path | None, quiet: bool
 ) -> None:
     if out is not None:
-        from numerics.run_files import save
+        from numerics.run_files import dataset, save
 
-        save(watched.run, out)
+        asked = {"epsilon": watched.epsilon, "ramp": watched.ramp, "periods": watched.periods}
+        save(dataset(watched.run).assign_attrs(asked), out)
     if plot is not None:
         from derivations.simulation_plots import plot_run
 

@@ -88,8 +88,11 @@ def caption(run: Run, epsilon: float | None) -> str:
 
 
 def visible_end(run: Run) -> float:
-    """Where the drawing ends: before the absorbing end, whose damping is no part of the rope."""
-    return min(run.grid.length - run.grid.sponge, float(run.positions[-1]))
+    """Where the drawing ends: beyond all that is lifted, and before the absorbing end."""
+    lifted = (run.heights > LEAST_HEIGHT).any(axis=0)
+    farthest = float(run.positions[lifted].max(initial=0.0))
+    end = max(2 * float(np.nanmax(_column(run, "CONTACT"))), 1.1 * farthest)
+    return min(end, run.grid.length - run.grid.sponge, float(run.positions[-1]))
 
 
 def magnified_top(run: Run) -> float:
@@ -129,7 +132,7 @@ def _space_time(axes: Any, run: Run) -> Any:
         ylabel="position\n" + r"$x/x_0$",
         ylim=(0, end),
         xlim=(times[0], times[-1]),
-        title="height of the rope; white: on the ground; black line: contact point",
+        title="height of the rope; white: below $10^{-4}$; black line: contact point",
     )
     axes.title.set_fontsize(9)
     return image
@@ -150,8 +153,13 @@ def _column(run: Run, name: str) -> Array:
 
 def _contact(axes: Any, run: Run) -> None:
     period = run.problem.drive.period
-    axes.plot(run.times / period, _column(run, "CONTACT"), color="black", lw=1.1)
+    contact = _column(run, "CONTACT")
+    axes.plot(run.times / period, contact, color="black", lw=1.1)
     axes.set(ylabel="contact point\n" + r"$x_c/x_0$")
+    # Less than a cell is no motion: the axis must not magnify rounding.
+    middle, half = (np.nanmin(contact) + np.nanmax(contact)) / 2, run.grid.dx
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, middle - half), max(high, middle + half))
 
 
 def _energies(axes: Any, run: Run) -> None:
@@ -161,7 +169,7 @@ def _energies(axes: Any, run: Run) -> None:
     work, gone = work - work[0], gone - gone[0]
     axes.fill_between(time, gone, work, color="0.88", lw=0, label="change of stored energy")
     axes.plot(time, work, color="#0072B2", label="work of the driven end")
-    axes.plot(time, gone, color="#D55E00", ls=(0, (4, 1.8)), label="lost on the ground, damped")
+    axes.plot(time, gone, color="#D55E00", ls=(0, (4, 1.8)), label="lost on the ground + damped")
     axes.set(ylabel="energy\n" + r"$[TZ_0^2/x_0]$", xlabel=r"time $\omega t/2\pi$")
     axes.legend(
         frameon=False,

@@ -7,6 +7,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from derivations.simulation_run import Bump, Verdict, Watched
+from numerics.contact import Scheme
 
 if TYPE_CHECKING:
     from numerics.events import Event
@@ -114,20 +115,23 @@ def _heading(watched: Watched) -> list[str]:
         f"length {run.grid.length:g}, the last {run.grid.sponge:g} absorbing",
     ]
     if watched.begun > 0:
-        lines.append(f"continued from tau = {watched.begun:.6g}; events are those since")
+        lines.append(f"continued from tau = {watched.begun:.6g}: waves and events are those since")
     return lines
 
 
 def _waves(watched: Watched) -> list[str]:
     low, high = watched.heights
     highest = watched.highest
+    since = f"since tau = {watched.begun:.6g} " if watched.begun > 0 else ""
     if watched.verdict is Verdict.FOLLOWS or highest is None:
-        return [f"the rope follows: nothing higher than {low:.2g} Z0 beyond the contact point"]
+        return [
+            f"{since}the rope follows: nothing higher than {low:.2g} Z0 beyond the contact point"
+        ]
     where = f"{highest.height:.4g} Z0 at x = {highest.place:.4g} x0, {_when(watched, highest.time)}"
     lines = [
-        f"the rope sheds waves, the highest {where}"
+        f"{since}the rope sheds waves, the highest {where}"
         if watched.verdict is Verdict.SHEDS
-        else f"in doubt: the highest wave, {where}, is hardly more than the grid can hold; "
+        else f"{since}in doubt: the highest wave, {where}, is hardly more than the grid can hold; "
         "take a smaller dx"
     ]
     for least, bump in zip((low, high), watched.first, strict=True):
@@ -167,9 +171,11 @@ def _events(watched: Watched) -> list[str]:
 def _balance(watched: Watched) -> list[str]:
     run = watched.run
     energy, work, damped, lost = run.ledger
+    dips = run.scheme is Scheme.VERLET and run.problem.restitution > 0
     return [
         f"energy [T Z0^2/x0]: work {work:.6g} = stored {energy - watched.rest[1]:.6g} + damped "
         f"{damped:.6g} + lost on the ground {lost:.6g}, and {abs(unexplained(watched)):.1e} "
         f"unexplained ({run.unexplained:.1e} in a step)",
-        f"least height {run.lowest:.2g} Z0, least force of the ground {run.reaction:.2g} T Z0/x0^2",
+        f"least height {run.lowest:.2g} Z0, least force of the ground {run.reaction:.2g} T Z0/x0^2"
+        + ("; with restitution the explicit scheme lets nodes dip for a step" if dips else ""),
     ]

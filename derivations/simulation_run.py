@@ -19,11 +19,15 @@ from numerics.checkpoint import save_checkpoint, saving, start_or_resume
 from numerics.contact import Block, Scheme, Simulator, equilibrium, steps_until
 from numerics.drive import Drive, cosine, non_negative, positive, ramped_cosine
 from numerics.errors import InputError
-from numerics.events import Event, EventFinder, EventKind, smallest_wave
+from numerics.events import Event, EventFinder, EventKind
 from numerics.observables import Column, contact_point
 from numerics.problem import RopeProblem
+from numerics.pulses import smallest_wave
 from numerics.semi_discrete import Grid
 from numerics.simulation import Run, follow
+
+LEAST_STEPS = 20
+"""Steps that a forcing period must have at least."""
 
 
 class Verdict(Enum):
@@ -203,10 +207,20 @@ def watch(
     """
     period = problem.drive.period
     until = positive("periods", periods) * period
+    if periods <= ramp:
+        raise InputError(
+            f"periods = {periods:g} end before the ramp of {ramp:g} periods is over and epsilon = "
+            f"{epsilon:g} is reached; take more periods, or a shorter ramp"
+        )
     if checkpoint is None:
         simulator = Simulator(problem, grid, dt, scheme)
     else:
         simulator = start_or_resume(checkpoint, problem, grid, dt, scheme)
+    if simulator.dt > period / LEAST_STEPS:
+        raise InputError(
+            f"dt = {simulator.dt:.4g} is too long for a forcing period of {period:.4g}: take at "
+            f"least {LEAST_STEPS} steps a period, dt ≤ {period / LEAST_STEPS:.4g}"
+        )
     last = steps_until(until, simulator.dt)
     if simulator.step >= last:
         raise InputError(

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from numerics.contact import BLOCK, Scheme, Simulator
-from numerics.drive import Array
+from numerics.drive import Array, non_negative
 from numerics.errors import FileError, NumericsError
 from numerics.files import differences, read_sealed, release, specification, write_sealed
 from numerics.problem import RopeProblem
@@ -144,6 +144,8 @@ def saving(
     ------
     FileError
         As :func:`save_checkpoint`, before any work is done.
+    InputError
+        ``seconds`` negative.
 
     Examples
     --------
@@ -160,7 +162,7 @@ def saving(
     >>> simulator.time
     20.0
     """
-    saved = -math.inf
+    seconds, saved = non_negative("seconds", seconds), -math.inf
 
     def save() -> None:
         nonlocal saved

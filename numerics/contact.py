@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numerics import trapezoidal, verlet
-from numerics.drive import Array, positive
+from numerics.drive import Array, positive, whole
 from numerics.errors import ActiveSetError, InputError
 from numerics.observables import COLUMNS, Column
 from numerics.problem import RopeProblem
@@ -26,6 +26,11 @@ from numerics.semi_discrete import Grid, SemiDiscrete, State, rope
 
 BLOCK = 1024
 """Steps between two looks at the drive; blocks start at its multiples, also after a restart."""
+
+
+_MOST_STEPS = 2.0**53
+# In steps shorter than this part of dx the stiffness is lost in the rounding of 4m/dt².
+_SHORTEST = 1e-8
 
 
 class Scheme(Enum):
@@ -103,7 +108,7 @@ class Simulator:
             )
         self.system = rope(problem, self.grid)
         self.dt = _check_step(dt, self.system, self.scheme)
-        end = self._end(np.zeros(1))[0]
+        end = self._end(np.zeros(1), slice(None))[0]
         self.state = equilibrium(self.system, end)
         self.step = 0
         energy = self.system.energy(self.state.height, self.state.velocity, end)
@@ -114,6 +119,22 @@ class Simulator:
     def time(self) -> float:
         """τ of the state."""
         return self.step * self.dt
+
+    def last_step(self, until: float) -> int:
+        """The number of the step that ends at or after ``until``, a time still to come.
+
+        Raises
+        ------
+        InputError
+            The simulator is there already.
+        """
+        last = steps_until(until, self.dt)
+        if last <= self.step:
+            raise InputError(
+                f"until = {until!r} is not after the time tau = {self.time:.6g} that the "
+                "simulator has reached; give a later time"
+            )
+        return last
 
     def blocks(self, until: float, every: int = BLOCK) -> Iterator[Block]:
         """Advance to the first step at or after ``until``.
@@ -127,15 +148,13 @@ class Simulator:
         ActiveSetError
             A step's active set did not end; the simulator stands before that step.
         """
-        last = steps_until(until, self.dt)
-        if every < 1:
-            raise InputError(f"every = {every!r}: give a number of steps ≥ 1")
+        last, every = steps_until(until, self.dt), whole("every", every)
         while self.step < last:
             start = self.step - self.step % BLOCK
             stop = min(last, start + BLOCK, self.step - self.step % every + every)
             times = self.dt * np.arange(start - 1.0, start + BLOCK + 1)
             # The whole block, always: vectorised functions may round by position in the array.
-            heights = self._end(times)[self.step - start : stop - start + 2]
+            heights = self._end(times, slice(self.step - start, stop - start + 2))
             rows = np.empty((stop - self.step, COLUMNS))
             done = run_steps(
                 self.system,
@@ -164,15 +183,21 @@ class Simulator:
         self.lowest = min(self.lowest, float(rows[:, Column.LOWEST].min()))
         self.reaction = min(self.reaction, float(rows[:, Column.REACTION].min()))
 
-    def _end(self, times: Array) -> Array:
-        """Z at the times, that of τ = 0 before it."""
+    def _end(self, times: Array, used: slice) -> Array:
+        """Z at the times used, that of τ = 0 before it."""
+        label = self.problem.drive.label
         heights = np.asarray(self.problem.drive.height(np.maximum(times, 0.0)), float)
-        good = np.isfinite(heights) & (heights > 0)
-        if heights.shape != times.shape or not good.all():
-            bad = times[~good][0] if heights.shape == times.shape else times[0]
+        if heights.shape != times.shape:
             raise InputError(
-                f"the drive {self.problem.drive.label!r} does not keep the driven end above the "
-                f"ground at tau = {bad:.6g}; Z must be a positive number for each time of an array"
+                f"the drive {label!r} gives an array of shape {heights.shape} for one of shape "
+                f"{times.shape}; Z must be a number for each time"
+            )
+        times, heights = times[used], heights[used]
+        good = np.isfinite(heights) & (heights > 0)
+        if not good.all():
+            raise InputError(
+                f"the drive {label!r} takes the driven end to Z = {heights[~good][0]:.6g} at tau = "
+                f"{times[~good][0]:.6g}; it must stay above the ground, Z > 0"
             )
         return heights
 
@@ -223,7 +248,23 @@ def steps_until(until: float, dt: float) -> int:
     >>> steps_until(1.0, 0.1)
     10
     """
-    return math.ceil(positive("until", until) / dt * (1 - 4 * np.finfo(float).eps))
+    return math.ceil(_steps("until", until, dt) * (1 - 4 * np.finfo(float).eps))
+
+
+def stride(name: str, duration: float, dt: float) -> int:
+    """A duration rounded to steps, at least one.
+
+    >>> stride("every", 0.26, 0.1)
+    3
+    """
+    return max(round(_steps(name, duration, dt)), 1)
+
+
+def _steps(name: str, duration: float, dt: float) -> float:
+    count = positive(name, duration) / dt
+    if count > _MOST_STEPS:
+        raise InputError(f"{name} = {duration!r} is more than 2^53 steps of {dt!r}; give less")
+    return count
 
 
 def _check_step(dt: float | None, system: SemiDiscrete, scheme: Scheme) -> float:
@@ -231,6 +272,11 @@ def _check_step(dt: float | None, system: SemiDiscrete, scheme: Scheme) -> float
     if dt is None:
         return system.dx if scheme is Scheme.TRAPEZOIDAL else min(0.9 * limit, system.dx)
     dt = positive("dt", dt)
+    if dt < _SHORTEST * system.dx:
+        raise InputError(
+            f"dt = {dt!r} is so short that a step is lost in rounding; take dt ≥ "
+            f"{_SHORTEST * system.dx:.3g}"
+        )
     if scheme is Scheme.VERLET and dt >= limit:
         raise InputError(
             f"dt = {dt!r} is beyond the stability limit {limit:.6g} of the explicit scheme on this "

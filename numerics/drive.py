@@ -52,10 +52,12 @@ class Drive:
     curvature: Callable[[Array], Array] | None = None
 
     def __post_init__(self) -> None:
+        if not (callable(self.height) and callable(self.slope)):
+            raise InputError("a drive needs functions of an array of times: Z and its derivative")
         if not self.label:
             raise InputError("a drive needs a label: files and checkpoints are told apart by it")
         if self.omega is not None:
-            positive("Omega", self.omega)
+            object.__setattr__(self, "omega", positive("Omega", self.omega))
 
     @property
     def period(self) -> float:
@@ -116,7 +118,8 @@ def ramped_cosine(omega: float, epsilon: float, periods: float = 20.0) -> Drive:
     [1.0, 1.1]
     """
     omega, epsilon = check_amplitude(omega, epsilon)
-    length = positive("ramp periods", periods) * 2 * math.pi / omega
+    periods = positive("ramp periods", periods)
+    length = periods * 2 * math.pi / omega
 
     def height(t: Array) -> Array:
         return 1 + epsilon * smooth_step(t / length)[0] * np.cos(omega * t)
@@ -143,10 +146,9 @@ def smooth_step(x: ArrayLike) -> tuple[Array, Array, Array]:
     """
     x = np.asarray(x, float)
     inside = (x > 0) & (x < 1)
-    y = np.where(inside, x, 0.5)
-    # Beyond ±700 the exponential overflows and r is 0 or 1 to the last bit.
-    exponent = np.clip(1 / y - 1 / (1 - y), -700.0, 700.0)
-    rise = 1 / (1 + np.exp(exponent))
+    # Nearer to the ends the exponential overflows, and r is 0 or 1 to the last bit.
+    y = np.clip(x, 1 / 700, 1 - 1 / 700)
+    rise = 1 / (1 + np.exp(1 / y - 1 / (1 - y)))
     first, second = 1 / y**2 + 1 / (1 - y) ** 2, 2 / (1 - y) ** 3 - 2 / y**3
     rate = rise * (1 - rise) * first
     bend = (1 - 2 * rise) * rate * first + rise * (1 - rise) * second
@@ -198,3 +200,15 @@ def non_negative(name: str, value: Any) -> float:
     if number < 0:
         raise InputError(f"{name} = {value!r}: give a number ≥ 0")
     return number
+
+
+def whole(name: str, value: Any, least: int = 1) -> int:
+    """``value`` as an integer that is not below ``least``.
+
+    >>> whole("workers", 2.0)
+    2
+    """
+    number = finite(name, value)
+    if number != int(number) or number < least:
+        raise InputError(f"{name} = {value!r}: give a whole number, at least {least}")
+    return int(number)

@@ -17,7 +17,7 @@ where the travelling pulse would be. A contact point that runs outwards at c > 1
 the front of a pulse, and the new contact behind it cuts the pulse off.
 
 **Resolution.** A pulse of half-length ℓ has the height h = 31.4 ℓ⁴/(ϖ⁴β): see
-:func:`smallest_wave`. Lifted nodes below that height are ripples of the grid.
+:func:`numerics.pulses.smallest_wave`. Lifted nodes below that height are ripples of the grid.
 """
 
 from __future__ import annotations
@@ -30,15 +30,10 @@ from enum import Enum
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from numerics.contact import Block
-from numerics.drive import Array, non_negative, positive
+from numerics.contact import Block, stride
+from numerics.drive import Array, positive
+from numerics.errors import InputError
 from numerics.observables import COLUMNS, Column
-
-ROOT = 4.493409457909064
-"""ϖ, the smallest positive root of tan ϖ = ϖ."""
-
-PULSE = ROOT**2 + 2 + 2 * math.hypot(1, ROOT)
-"""31.397…: a pulse of the speed c has the height PULSE β/(c² − 1)²."""
 
 SPAN = 12
 """Default span of the contact speed's line, in units of dx/c."""
@@ -51,6 +46,10 @@ class EventKind(Enum):
     NEAR_MISS = "near miss"
     SEPARATED_WAVE = "separated wave"
     SONIC_CONTACT = "sonic contact"
+
+    @classmethod
+    def _missing_(cls, value: object) -> EventKind:
+        raise InputError(f"event {value!r}: choose one of {', '.join(k.value for k in cls)}")
 
 
 @dataclass(frozen=True)
@@ -87,36 +86,6 @@ class Event:
     def __post_init__(self) -> None:
         for name in ("before", "after", "time", "place", "value", "error"):
             object.__setattr__(self, name, float(getattr(self, name)))
-
-
-def smallest_wave(beta: float, dx: float, cells: float = 6) -> float:
-    """The height of the pulse that is ``cells`` dx long: no smaller wave fits on the grid.
-
-    PULSE β/k² with the half-length ϖ√(β/k) = ½ cells dx. For β = 0, where there is no pulse, the
-    height dx² of a parabola W = s² at the first node.
-
-    Examples
-    --------
-    >>> print(f"{smallest_wave(0.01, 0.01):.2e} {smallest_wave(0.0, 0.01):.2e}")
-    6.24e-06 1.00e-04
-    """
-    beta, dx = non_negative("beta", beta), positive("dx", dx)
-    if beta == 0:
-        return dx * dx
-    return PULSE / beta * (0.5 * positive("cells", cells) * dx / ROOT) ** 4
-
-
-def pulse_length(beta: float, height: float, dx: float) -> float:
-    """2ℓ = 2ϖ(β height/PULSE)^{1/4}, the length of the pulse of one height; 6 dx for β = 0.
-
-    Examples
-    --------
-    >>> print(f"{pulse_length(0.01, 1e-5, 0.01):.4f}")
-    0.0675
-    """
-    if beta == 0:
-        return 6 * dx
-    return 2 * ROOT * (beta * height / PULSE) ** 0.25
 
 
 class EventFinder:
@@ -162,8 +131,8 @@ class EventFinder:
     def __init__(self, dx: float, dt: float, height: float, span: float | None = None) -> None:
         self.dx, self.dt = positive("dx", dx), positive("dt", dt)
         self.height = positive("height", height)
-        span = SPAN * self.dx if span is None else positive("span", span)
-        self.window = max(round(span / self.dt), 3)
+        span = SPAN * self.dx if span is None else span
+        self.window = max(stride("span", span, self.dt), 3)
         self._times, self._rows = np.empty(0), np.empty((0, COLUMNS))
         self._sonic: Event | None = None
         self.fastest: Event | None = None
@@ -256,15 +225,7 @@ class EventFinder:
             is_record = self.fastest is None or fast > abs(self.fastest.value)
             if not is_record and fast < 1:
                 continue
-            seen = Event(
-                EventKind.SONIC_CONTACT,
-                times[k],
-                times[k + n],
-                0.5 * (times[k] + times[k + n]),
-                contact[k + n // 2],
-                slope[k],
-                error[k],
-            )
+            seen = _line(times, contact, slope[k], error[k], k, n)
             if is_record:
                 self.fastest = seen
             if fast < 1:
@@ -285,6 +246,11 @@ def contact_speed(
     Shapes (k,) → (k − steps,) each. The third array tells which lines are to be used: those over
     which ξ_c is known, and does not jump because a wave separates or is caught.
 
+    Raises
+    ------
+    InputError
+        No step, or more than there are.
+
     Examples
     --------
     >>> times = 0.1 * np.arange(5)
@@ -292,6 +258,8 @@ def contact_speed(
     >>> slope.round(12).tolist(), good.tolist()
     ([-0.5, -0.5], [True, True])
     """
+    if not 0 < steps < len(contact):
+        raise InputError(f"steps = {steps!r}: give from 1 to {len(contact) - 1}")
     lines = sliding_window_view(contact, steps + 1)
     place = dt * (np.arange(steps + 1) - 0.5 * steps)
     weight = place @ place
@@ -310,7 +278,7 @@ def fastest_contact(block: Block, dx: float, dt: float, span: float = SPAN) -> E
 
     ``span`` is in units of dx/c. None if no line can be used.
     """
-    n = max(round(span * dx / dt), 3)
+    n = max(stride("span", positive("span", span) * positive("dx", dx), positive("dt", dt)), 3)
     if len(block.times) <= n:
         return None
     contact = block.rows[:, Column.CONTACT]
@@ -318,12 +286,11 @@ def fastest_contact(block: Block, dx: float, dt: float, span: float = SPAN) -> E
     if not good.any():
         return None
     k = int(np.where(good, np.abs(slope), -1.0).argmax())
-    return Event(
-        EventKind.SONIC_CONTACT,
-        block.times[k],
-        block.times[k + n],
-        0.5 * (block.times[k] + block.times[k + n]),
-        contact[k + n // 2],
-        slope[k],
-        error[k],
-    )
+    return _line(block.times, contact, slope[k], error[k], k, n)
+
+
+def _line(times: Array, contact: Array, slope: float, error: float, k: int, n: int) -> Event:
+    """The line of n steps that begins at row k, as a sonic contact whether sonic or not."""
+    start, end = times[k], times[k + n]
+    middle = contact[k + n // 2]
+    return Event(EventKind.SONIC_CONTACT, start, end, 0.5 * (start + end), middle, slope, error)

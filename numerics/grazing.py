@@ -56,7 +56,7 @@ def wave_heights(
     Raises
     ------
     InputError
-        As the simulator, or a hold of less than four periods.
+        As the simulator, no amplitude, or a hold of less than four periods.
 
     Examples
     --------
@@ -67,7 +67,9 @@ def wave_heights(
     """
     if settings.hold < 4:
         raise InputError(f"hold = {settings.hold!r}: give at least 4 periods, to average over")
-    each = [_heights(omega, beta, float(epsilon), settings) for epsilon in epsilons]
+    if len(epsilons) == 0:
+        raise InputError("epsilons is empty: give at least one amplitude")
+    each = [_heights(omega, beta, epsilon, settings) for epsilon in epsilons]
     first, mean, scatter = np.array(each).T
     return HeightCurve(omega, beta, settings, np.array(epsilons, float), first, mean, scatter)
 
@@ -119,7 +121,8 @@ def fit_power(
     Raises
     ------
     InputError
-        Fewer than five points, or points that are not above ``upper`` with a wave.
+        Fewer than five points, points that are not above ``upper`` with a wave, or an interval that
+        is none.
 
     Examples
     --------
@@ -129,6 +132,14 @@ def fit_power(
     (1.0, 0.001)
     """
     epsilon, height = np.asarray(epsilon, float), np.asarray(height, float)
+    if (
+        epsilon.ndim != 1
+        or epsilon.shape != height.shape
+        or not np.isfinite(epsilon + height).all()
+    ):
+        raise InputError("give as many heights as amplitudes, all of them finite")
+    if not lower <= upper < math.inf:
+        raise InputError(f"lower = {lower!r}, upper = {upper!r}: give the ends of an interval")
     if len(epsilon) < 5 or not (epsilon > upper).all() or not (height > 0).all():
         raise InputError("give five or more amplitudes above the threshold, each with a wave")
     middle = 0.5 * (lower + upper)
@@ -202,7 +213,7 @@ def strike(
     >>> bool(np.abs(height - impact.height(zeta, tau)).max() < 1e-3)
     True
     """
-    until = positive("until", until)
+    until, width = positive("until", until), positive("width", width)
     start = -0.02 / max(impact.velocity, 0.1)
     # Off the nodes by an irrational part of dx; the far end of the domain, cut off, is felt last.
     centre = 2 + dx / math.sqrt(7)

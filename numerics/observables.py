@@ -1,10 +1,10 @@
 r"""What is read off the nodes at every step: contact point, lifted waves, minima; compiled.
 
-**Contact point.** Let I be the first node on the ground and G = KW + bZ + f the force on the nodes
-without the ground's. The rope left of the contact point carries the load q (2, plus its
-acceleration), the ground the load beyond it and, where the rope is stiff, the point force P at the
-contact point ξ_c = ξ_I + d. Force and moment of the nodes I and I + 1 about ξ_I, S₀ and S₁, must
-agree:
+**Contact point.** Let I be the first node on the ground and KW the elastic force. It is −q per
+length left of the contact point ξ_c = ξ_I + d, where the rope carries the load q (2, plus its
+acceleration), and zero beyond, where the ground does; where the rope is stiff the ground adds the
+point force P at ξ_c. The sum of KW over the nodes I and I + 1, S₀, and its moment about ξ_I, S₁,
+must agree with that:
 
 .. math:: S_0 = P − q\left(d + \frac{dx}{2}\right), \qquad
           S_1 = P d − \frac{q}{2}\left(d^2 − \frac{dx^2}{4}\right)
@@ -14,10 +14,12 @@ agree:
 With β = 0 there is no point force and S₀ alone gives d. Both are of second order in dx at rest. In
 motion W is, but ξ_c carries noise: every node that is laid down or picked up is a small impact, and
 where W grows like s³ the last node is soon all noise. Measured: 0.1 dx at β = 0.01, 0.07 dx at
-β = 0; :meth:`numerics.simulation.Run.smooth_contact` averages it. Where
-the rope touches with a single node, at the instant of an impact, the node itself is the answer.
+β = 0; :meth:`numerics.simulation.Run.smooth_contact` averages it. Where the rope touches with a
+single node, at the instant of an impact, or so close to the driven end that Z enters those forces,
+ξ_c is the node itself, and P its KW if the ground must push.
 
-Where nothing is on the ground, or nothing lifted, the entries are NaN.
+Where nothing is on the ground the entries are NaN; where nothing beyond ξ_c is lifted BUMP is 0 and
+BUMP_AT NaN; where there is no minimum before ξ_c both GAPs are NaN.
 """
 
 from __future__ import annotations
@@ -128,8 +130,8 @@ def contact_point(system: SemiDiscrete, force: Array, active: Flags) -> tuple[fl
     if first == n:
         return math.nan, math.nan, -1
     place = system.positions[first]
-    if first < 2 or first + 1 >= n or not active[first + 1]:
-        return place, max(-force[first], 0.0), first
+    if first < 3 or first + 1 >= n or not active[first + 1]:
+        return place, max(force[first], 0.0), first
     # The load next to the contact carries its inertia; half the weight keeps q from vanishing.
     q = max(-force[first - 1], 0.5 * system.load[first]) / dx
     if q == 0.0:

@@ -31,6 +31,9 @@ from numerics.observables import contact_point
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid, SemiDiscrete, rope
 
+METHODS = ("RK45", "RK23", "DOP853", "Radau", "BDF", "LSODA")
+"""Methods of ``solve_ivp``."""
+
 IMPLICIT = ("Radau", "BDF")
 """Methods of ``solve_ivp`` that want to know where the Jacobian is not zero."""
 
@@ -196,7 +199,7 @@ def solve(
     Raises
     ------
     InputError
-        Times that do not increase from τ ≥ 0 on.
+        Times that do not increase from τ ≥ 0 on, an unknown method, or a tolerance ≤ 0.
     NumericsError
         ``solve_ivp`` gave up.
 
@@ -211,7 +214,13 @@ def solve(
     """
     from scipy.integrate import solve_ivp
 
-    moments = np.atleast_1d(np.asarray(times, dtype=float))
+    if method not in METHODS:
+        raise InputError(f"method = {method!r}: choose one of {', '.join(METHODS)}")
+    rtol, atol = positive("rtol", rtol), positive("atol", atol)
+    try:
+        moments = np.atleast_1d(np.asarray(times, dtype=float))
+    except (TypeError, ValueError):
+        raise InputError(f"times = {times!r}: give numbers") from None
     ordered = moments.ndim == 1 and moments.size > 0 and bool((np.diff(moments) > 0).all())
     if not (ordered and moments[0] >= 0 and 0 < moments[-1] < math.inf):
         raise InputError(f"times = {times!r}: give increasing times, the first at least 0")

@@ -69,6 +69,8 @@ class RopeProblem:
                 f"beta = {beta!r}: the simulators take 0 ≤ β ≤ 1; a stiffer rope is a beam whose "
                 "tension does not matter"
             )
+        if not isinstance(self.drive, Drive):
+            raise InputError(f"drive = {self.drive!r}: give a Drive, such as ramped_cosine(…)")
         object.__setattr__(self, "beta", beta)
         object.__setattr__(self, "driven_end", DrivenEnd(self.driven_end))
         object.__setattr__(self, "damping", non_negative("damping", self.damping))

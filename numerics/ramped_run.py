@@ -5,7 +5,7 @@ first *separated wave*: something higher than h that stands beyond the contact p
 
 **The height h.** As long as nothing has separated, BUMP is exactly zero. The first lifted nodes
 beyond the contact point are ripples of the grid: waves lower than
-:func:`~numerics.events.smallest_wave` do not fit on it. A pulse on the ground of the height ηβ has
+:func:`~numerics.pulses.smallest_wave` do not fit on it. A pulse on the ground of the height ηβ has
 the half-length ϖ(η/PULSE)^{1/4} √β, so heights are best measured in β: h = 10⁻³β is six cells long
 on dx = √β/10, and 10⁻²β on √β/5. Larger h find the loss later, most so where it sets in with small
 waves, away from resonances.
@@ -20,10 +20,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from numerics.contact import Block, Scheme, Simulator
-from numerics.drive import Array, Drive, ramped_cosine, smooth_step
-from numerics.events import Event, EventFinder, EventKind, fastest_contact, smallest_wave
+from numerics.drive import (
+    Array,
+    Drive,
+    non_negative,
+    positive,
+    ramped_cosine,
+    smooth_step,
+)
+from numerics.events import Event, EventFinder, EventKind, fastest_contact
 from numerics.observables import Column
 from numerics.problem import RopeProblem
+from numerics.pulses import smallest_wave
 from numerics.semi_discrete import Grid
 
 Envelope = Callable[[Array], Array]
@@ -50,6 +58,11 @@ class Settings:
         Of the domain.
     refine
         dt, given or default, is divided by this.
+
+    Raises
+    ------
+    InputError
+        A number that is not positive; ``hold`` and ``sponge`` may be 0.
     """
 
     dx: float
@@ -61,6 +74,15 @@ class Settings:
     length: float = 8.0
     sponge: float = 3.0
     refine: float = 1.0
+
+    def __post_init__(self) -> None:
+        checks = dict.fromkeys(("dx", "height", "ramp", "length", "refine"), positive)
+        checks |= dict.fromkeys(("hold", "sponge"), non_negative)
+        if self.dt is not None:
+            checks["dt"] = positive
+        for name, check in checks.items():
+            object.__setattr__(self, name, check(name, getattr(self, name)))
+        object.__setattr__(self, "scheme", Scheme(self.scheme))
 
     @property
     def grid(self) -> Grid:
@@ -126,6 +148,7 @@ def base_settings(beta: float, dx: float | None = None) -> Settings:
     >>> base_settings(0.01).dx, base_settings(0.01).height
     (0.01, 1e-05)
     """
+    beta = non_negative("beta", beta)
     if dx is None:
         dx = math.sqrt(beta) / 10 if beta > 0 else 0.01
     return Settings(dx, max(1e-3 * beta, smallest_wave(beta, dx)))

@@ -118,15 +118,15 @@ def save(run: Run | Dataset, path: Path | str, force: bool = False) -> None:
     run
         A Dataset may have got further variables and attributes.
     path
-        A file of the same specification is replaced.
+        A file of the same specification is replaced, if it holds no longer run.
     force
         Replace any other file too.
 
     Raises
     ------
     FileError
-        There is a file that is not a run, is damaged or is of another specification; or the place
-        cannot be written.
+        There is a file that is not a run, is damaged, is of another specification or longer; or
+        the place cannot be written.
     InputError
         A Dataset that did not come from here.
     MissingPackageError
@@ -155,7 +155,7 @@ def save(run: Run | Dataset, path: Path | str, force: bool = False) -> None:
             "one; for other data there is Dataset.to_netcdf"
         )
     if path.exists() and not force:
-        _check_replaceable(path, json.loads(wanted))
+        check_replaceable(path, json.loads(wanted), data.attrs["end_time"])
     packed = {"zlib": True, "complevel": 4, "shuffle": True}
     # Without NaN no fill value: coordinates and flags have no missing values.
     whole = {"_FillValue": None}
@@ -200,6 +200,7 @@ def _attributes(run: Run) -> dict[str, str | float]:
         "source": f"ropewave {release()}",
         "comment": "nondimensional: x_0^2 = 2 T Z_0/(rho g), c^2 = T/rho, beta = B/(T x_0^2)",
         **{name: value for name, value in parameters.items() if value is not None},
+        "end_time": float(run.end_time),
         "final_energy": energy,
         "final_work": work,
         "final_damped": damped,
@@ -211,16 +212,26 @@ def _attributes(run: Run) -> dict[str, str | float]:
     }
 
 
-def _check_replaceable(path: Path, wanted: Specification) -> None:
-    remedy = "or replace it all the same (force=True)"
+def check_replaceable(path: Path, wanted: Specification, end_time: float) -> None:
+    """That the run in a file is the one specified and no longer than to ``end_time``.
+
+    Raises
+    ------
+    FileError
+        It is another or a longer run, damaged, or no run.
+    """
+    remedy = "choose another name, or delete it (in Python: force=True)"
     try:
-        found = json.loads(load(path).attrs[_SPECIFICATION])
+        attributes = load(path).attrs
     except FileError as error:
         raise FileError(f"{error}; {remedy}") from error
-    what = differences(found, wanted)
+    what = differences(json.loads(attributes[_SPECIFICATION]), wanted)
     if what:
+        raise FileError(f"{path} holds another run: {what}. It is left as it is; {remedy}")
+    if attributes["end_time"] > end_time * (1 + 1e-9):
         raise FileError(
-            f"{path} holds another run: {what}. It is left as it is; choose another name, {remedy}"
+            f"{path} holds this run up to tau = {attributes['end_time']:.6g}, longer than to "
+            f"{end_time:.6g}. It is left as it is; {remedy}"
         )
 
 

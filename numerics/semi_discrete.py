@@ -20,14 +20,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from numerics.drive import Array, positive
+from numerics.drive import Array, finite, non_negative, positive, whole
 from numerics.errors import InputError
 from numerics.problem import DrivenEnd, RopeProblem
 
 Flags = NDArray[np.bool_]
 
-FEWEST = 8
-"""Nodes that a domain must have at least."""
+FEWEST, MOST = 8, 10**7
+"""Nodes that a domain must have at least, and at most."""
 
 
 class SemiDiscrete(NamedTuple):
@@ -124,12 +124,27 @@ class Grid:
         0 to ``strength`` like a cubic. 0 for a hard end.
     strength
         σ at the end. From 6 on nothing measurable of a pulse on the ground reaches it.
+
+    Raises
+    ------
+    InputError
+        ``dx`` or ``length`` not positive, the others negative, or too many nodes.
     """
 
     dx: float = 0.01
     length: float = 8.0
     sponge: float = 3.0
     strength: float = 10.0
+
+    def __post_init__(self) -> None:
+        checks = {"dx": positive, "length": positive, "sponge": non_negative}
+        for name, check in (checks | {"strength": non_negative}).items():
+            object.__setattr__(self, name, check(name, getattr(self, name)))
+        if self.length > MOST * self.dx:
+            raise InputError(
+                f"length = {self.length!r} and dx = {self.dx!r} make more than {MOST} nodes; take "
+                "a larger dx or a shorter domain"
+            )
 
 
 def rope(problem: RopeProblem, grid: Grid | None = None) -> SemiDiscrete:
@@ -152,7 +167,7 @@ def rope(problem: RopeProblem, grid: Grid | None = None) -> SemiDiscrete:
     (399, 1.99)
     """
     grid = Grid() if grid is None else grid
-    beta, dx = problem.beta, positive("dx", grid.dx)
+    beta, dx = problem.beta, grid.dx
     _check_grid(problem, grid)
     n = round(grid.length / dx) - 1
     k0 = np.full(n, 2 / dx + 6 * beta / dx**3)
@@ -185,9 +200,8 @@ def string_on_obstacle(nodes: int) -> SemiDiscrete:
     >>> string_on_obstacle(99).dx
     0.01
     """
-    if nodes < FEWEST:
-        raise InputError(f"nodes = {nodes!r}: give at least {FEWEST}")
-    n, dx = nodes, 1 / (nodes + 1)
+    n = whole("nodes", nodes, FEWEST)
+    dx = 1 / (n + 1)
     k1 = np.full(n, -1 / dx)
     k1[-1] = 0.0
     zeros = np.zeros(n)
@@ -220,11 +234,10 @@ def falling_bar(
     >>> float(bar.mass.sum()), bar.obstacle.sum()
     (10.0, np.int64(1))
     """
-    if nodes < FEWEST:
-        raise InputError(f"nodes = {nodes!r}: give at least {FEWEST}")
-    n, dx = nodes, positive("length", length) / (nodes - 1)
+    n, modulus, g = whole("nodes", nodes, FEWEST), positive("modulus", modulus), finite("g", g)
+    dx = positive("length", length) / (n - 1)
     mass = np.full(n, positive("density", density) * dx)
-    k0 = np.full(n, 2 * positive("modulus", modulus) / dx)
+    k0 = np.full(n, 2 * modulus / dx)
     k1 = np.full(n, -modulus / dx)
     mass[[0, -1]] /= 2
     k0[[0, -1]] /= 2
@@ -260,12 +273,6 @@ def _check_grid(problem: RopeProblem, grid: Grid) -> None:
             f"dx = {dx!r} is too coarse for beta = {beta!r}: the boundary layer at the contact "
             f"point is √β = {math.sqrt(beta):.4g} wide and needs dx ≤ √β/4 = "
             f"{math.sqrt(beta) / 4:.4g}"
-        )
-    positive("length", grid.length)
-    if not (0 <= grid.sponge < math.inf and 0 <= grid.strength < math.inf):
-        raise InputError(
-            f"sponge = {grid.sponge!r}, strength = {grid.strength!r}: give finite numbers ≥ 0 "
-            "(0: a hard end that reflects)"
         )
     height = float(problem.drive.height(np.array(0.0)))
     if not height > 0:

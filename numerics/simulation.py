@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from numerics.contact import BLOCK, Block, Scheme, Simulator, steps_until
-from numerics.drive import Array, positive
+from numerics.contact import BLOCK, Block, Scheme, Simulator, stride
+from numerics.drive import Array, finite
 from numerics.errors import InputError
 from numerics.observables import COLUMNS, Column
 from numerics.problem import RopeProblem
@@ -143,26 +143,21 @@ def follow(
     progress: Callable[[int, int], None] | None = None,
 ) -> Run:
     """As :func:`simulate`, from wherever the simulator stands."""
-    last = steps_until(until, simulator.dt)
-    if last <= simulator.step:
-        raise InputError(
-            f"until = {until!r} is not after the time tau = {simulator.time:.6g} that the "
-            "simulator has reached; give a later time"
-        )
-    if record_from is None:
-        omega = simulator.problem.drive.omega
-        record_from = math.inf if omega is None else until - 2 * math.pi / omega
-    stride = (
-        0 if snapshots is None else max(round(positive("snapshots", snapshots) / simulator.dt), 1)
-    )
-    every = stride or BLOCK
-    times_seen, frames = ([simulator.time], [_copy(simulator.state)]) if stride else ([], [])
+    last = simulator.last_step(until)
+    drive = simulator.problem.drive
+    if record_from is not None:
+        record_from = finite("record_from", record_from)
+    else:
+        record_from = math.inf if drive.omega is None else float(until) - drive.period
+    frame = 0 if snapshots is None else stride("snapshots", snapshots, simulator.dt)
+    every = frame or BLOCK
+    times_seen, frames = ([simulator.time], [_copy(simulator.state)]) if frame else ([], [])
     kept: list[Block] = []
     for times, rows in simulator.blocks(until, every):
         late = times >= record_from
         if late.any():
             kept.append(Block(times[late], rows[late]))
-        if stride and simulator.step % stride == 0:
+        if frame and simulator.step % frame == 0:
             times_seen.append(simulator.time)
             frames.append(_copy(simulator.state))
         if progress is not None:
@@ -175,9 +170,9 @@ def follow(
         times=np.concatenate([np.empty(0), *(block.times for block in kept)]),
         rows=np.concatenate([np.empty((0, COLUMNS)), *(block.rows for block in kept)]),
         snapshot_times=np.array(times_seen, float),
-        heights=_stack([frame.height for frame in frames], simulator),
-        velocities=_stack([frame.velocity for frame in frames], simulator),
-        held=_stack([frame.active for frame in frames], simulator).astype(bool),
+        heights=_stack([state.height for state in frames], simulator),
+        velocities=_stack([state.velocity for state in frames], simulator),
+        held=_stack([state.active for state in frames], simulator).astype(bool),
         positions=simulator.system.positions,
         end=_copy(simulator.state),
         end_time=simulator.time,

@@ -18,6 +18,7 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_complet
 from pathlib import Path
 from typing import Any
 
+from numerics.drive import whole
 from numerics.errors import FileError, InputError
 from numerics.files import replace_file
 
@@ -28,7 +29,7 @@ Result = dict[str, Any]
 def sweep(
     work: Callable[[Task], Result],
     tasks: Sequence[Task],
-    folder: Path | None = None,
+    folder: Path | str | None = None,
     specification: str = "",
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
@@ -58,7 +59,7 @@ def sweep(
     Raises
     ------
     InputError
-        Two equal tasks, or no worker.
+        Two equal tasks, a task or a result to be kept that is not JSON, or no worker.
     FileError
         A file in the folder is damaged or of another specification.
 
@@ -67,28 +68,27 @@ def sweep(
     >>> sweep(square, [{"x": 2}, {"x": 3}])
     [{'y': 4}, {'y': 9}]
     """
-    if workers < 1:
-        raise InputError(f"workers = {workers!r}: give a whole number ≥ 1")
-    names = [_name(task) for task in tasks]
-    if len(set(names)) < len(names):
+    workers = whole("workers", workers)
+    named = {_name(task): task for task in tasks}
+    if len(named) < len(tasks):
         raise InputError("two tasks of the sweep are equal; give each once")
+    folder = None if folder is None else Path(folder)
     results: dict[str, Result] = {}
     if folder is not None:
-        for name, task in zip(names, tasks, strict=True):
+        for name, task in named.items():
             found = _read(folder / name, specification, task)
             if found is not None:
                 results[name] = found
-    left = [(name, task) for name, task in zip(names, tasks, strict=True) if name not in results]
+    left = [(name, task) for name, task in named.items() if name not in results]
     if progress is not None:
         progress(len(results), len(tasks))
     for name, result in _compute(work, left, workers):
         if folder is not None:
-            task = tasks[names.index(name)]
-            _write(folder / name, specification, task, result)
+            _write(folder / name, specification, named[name], result)
         results[name] = result
         if progress is not None:
             progress(len(results), len(tasks))
-    return [results[name] for name in names]
+    return [results[name] for name in named]
 
 
 def square(task: Task) -> Result:
@@ -136,7 +136,12 @@ def _name(task: Task) -> str:
 
 
 def _spelling(content: Any) -> str:
-    return json.dumps(content, sort_keys=True, allow_nan=True)
+    try:
+        return json.dumps(content, sort_keys=True, allow_nan=True)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{content!r} is not JSON ({error}); give plain numbers and words"
+        ) from None
 
 
 def _seal(specification: str, task: Task, result: Result) -> str:
@@ -181,7 +186,8 @@ def _read(path: Path, specification: str, task: Task) -> Result | None:
             f"{path} is not what was written: its seal does not fit. Delete it, and its result "
             "will be computed again"
         )
-    if parts[0] != specification or parts[1] != task:
+    # As they are spelt: a tuple is read back as a list, and NaN is not equal to itself.
+    if _spelling(parts[:2]) != _spelling([specification, task]):
         raise FileError(
             f"{path} belongs to another sweep ({parts[0]!r}, task {parts[1]!r}; wanted "
             f"{specification!r}, task {task!r}). Give another folder, or delete this one"

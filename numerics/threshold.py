@@ -21,8 +21,8 @@ import numpy as np
 
 from numerics.contact import Scheme
 from numerics.drive import Array, Drive, check_amplitude, non_negative, positive
-from numerics.errors import ThresholdNotFoundError
-from numerics.events import pulse_length
+from numerics.errors import InputError, ThresholdNotFoundError
+from numerics.pulses import pulse_length
 from numerics.ramped_run import Outcome, Settings, base_settings, run_once, watch
 
 LOWEST, HIGHEST = 1e-4, 0.9
@@ -30,6 +30,9 @@ LOWEST, HIGHEST = 1e-4, 0.9
 
 START, STEP = 1.5, 1.1
 """How far below a guess the scan begins, and the ratio of its amplitudes."""
+
+NARROWEST = 1e-9
+"""The smallest relative width of a bracket that bisection is asked for."""
 
 GROWING = 1.1
 """The growth in five periods from which on a swing is growing."""
@@ -147,17 +150,20 @@ def bracket(
     >>> found.lower < found.upper <= 1.05 * found.lower * (1 + 1e-12)
     True
     """
-    omega, relative = positive("omega", omega), positive("relative", relative)
-    epsilon = (_sweep(omega, beta, settings) if near is None else positive("near", near)) / START
+    omega, relative = positive("Omega", omega), positive("relative", relative)
+    if not NARROWEST <= relative <= 1:
+        raise InputError(f"relative = {relative!r}: give a width from {NARROWEST} to 1")
+    guess = _sweep(omega, beta, settings) if near is None else positive("near", near)
+    epsilon = min(max(guess / START, LOWEST), HIGHEST)
     stayed, lost, count = None, None, 0
     while stayed is None or lost is None:
         _check_range(omega, beta, epsilon)
         outcome = run_once(omega, epsilon, beta, settings)
         count += 1
         if outcome.stayed:
-            stayed, epsilon = outcome, epsilon * STEP
+            stayed, epsilon = outcome, _next(epsilon, STEP)
         elif stayed is None:
-            epsilon /= 1.5
+            epsilon = _next(epsilon, 1 / START)
         else:
             lost = outcome
     while lost.epsilon > stayed.epsilon * (1 + relative):
@@ -206,7 +212,7 @@ def threshold(
     >>> len(found.runs), found.lower == found.runs[0].lower
     (1, True)
     """
-    beta = non_negative("beta", beta)
+    omega, beta = positive("Omega", omega), non_negative("beta", beta)
     base = base_settings(beta) if base is None else base
     cases = {Change.BASE: base} if quick else variations(base)
     runs: list[Bracket] = []
@@ -229,6 +235,9 @@ def threshold(
 
 def variations(base: Settings) -> dict[Change, Settings]:
     """The base settings and those that differ from them in one thing.
+
+    A dt that is given goes with that thing: on dx/2 it is quartered, for the limit of the explicit
+    scheme falls like dx², and the other integrator takes its default.
 
     Examples
     --------
@@ -279,6 +288,13 @@ def _sweep(omega: float, beta: float, settings: Settings) -> float:
     until = math.acosh(1 + highest / LOWEST) / rate
     lost = watch(drive, highest, amplitude, beta, settings, until)
     return max(float(amplitude(np.array(lost.periods * drive.period))), 2 * LOWEST)
+
+
+def _next(epsilon: float, factor: float) -> float:
+    """The scan's next amplitude: it leaves the range only from one of its two ends."""
+    if epsilon in (LOWEST, HIGHEST):
+        return epsilon * factor
+    return min(max(epsilon * factor, LOWEST), HIGHEST)
 
 
 def _check_range(omega: float, beta: float, epsilon: float) -> None:

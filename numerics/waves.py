@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numerics.contact import Simulator
+from numerics.contact import Simulator, stride
 from numerics.drive import positive
-from numerics.events import PULSE
+from numerics.pulses import pulse_speed
 from numerics.semi_discrete import SemiDiscrete, State
 
 
@@ -161,19 +161,8 @@ class WaveTrack:
         return (max(heights) - min(heights)) / self.height
 
 
-def pulse_speed(beta: float, height: float) -> float:
-    """The speed c = √(1 + √(PULSE β/height)) of the travelling pulse of one height; 1 for β = 0.
-
-    Examples
-    --------
-    >>> round(pulse_speed(0.01, 0.2009434), 6)
-    1.5
-    """
-    return math.sqrt(1 + math.sqrt(PULSE * beta / positive("height", height)))
-
-
 class WaveTracker:
-    """Follows waves from snapshot to snapshot: each to the nearest that the speeds allow.
+    """Follows waves outwards from snapshot to snapshot: each to the nearest its speed allows.
 
     Parameters
     ----------
@@ -224,11 +213,33 @@ def _ahead(track: list[Wave], time: float) -> float:
 def track_waves(simulator: Simulator, until: float, every: float, height: float) -> list[WaveTrack]:
     """Run on to ``until`` and follow all waves, with a snapshot ``every`` so often.
 
-    Only waves seen twice or more are returned. Memory grows with their number alone.
+    Only waves seen twice or more are returned. Memory grows with the number of their snapshots.
+
+    Raises
+    ------
+    InputError
+        ``every`` or ``height`` not positive, or ``until`` not after the simulator's time.
+
+    Examples
+    --------
+    The travelling pulse, put on a rope at rest.
+
+    >>> from numerics.drive import at_rest
+    >>> from numerics.exact_solutions import travelling_pulse
+    >>> from numerics.problem import RopeProblem
+    >>> simulator, pulse = Simulator(RopeProblem(0.01, at_rest())), travelling_pulse(0.01, 1.5)
+    >>> place = simulator.system.positions - 3
+    >>> simulator.state.height[:] += pulse.shape(place)
+    >>> simulator.state.velocity[:] += pulse.velocity(place)
+    >>> simulator.state.active[simulator.state.height > 0] = False
+    >>> [track] = track_waves(simulator, 1.0, 0.1, 1e-2)
+    >>> bool(1.49 < track.speed < 1.51)
+    True
     """
+    simulator.last_step(until)
     tracker = WaveTracker(height, simulator.problem.beta)
-    stride = max(round(positive("every", every) / simulator.dt), 1)
-    for _ in simulator.blocks(until, stride):
-        if simulator.step % stride == 0:
+    frame = stride("every", every, simulator.dt)
+    for _ in simulator.blocks(until, frame):
+        if simulator.step % frame == 0:
             tracker.feed(simulator.system, simulator.state, simulator.time)
     return [WaveTrack(tuple(track)) for track in tracker.tracks if len(track) > 1]

@@ -126,7 +126,8 @@ def test_a_checkpoint_is_continued_bit_for_bit(
     assert found["continued_from"] == pytest.approx(3 * period, abs=DX)
     for name in ("energy", "contact", "tau"):
         assert found[name] == whole[name]
-    assert run(*SHEDS, *state, "--periods", "2") == 2
+    answer(capsys, *SHEDS, *state, "--periods", "9")
+    assert run(*SHEDS, *state, "--periods", "4") == 2
     assert "already stands at tau = " in capsys.readouterr().err
 
 
@@ -168,8 +169,11 @@ def test_out_holds_the_periods_kept(tmp_path: Path, capsys: pytest.CaptureFixtur
     capsys.readouterr()
     assert run(*FOLLOWS, "--out", str(path)) == 2
     captured = capsys.readouterr()
-    assert captured.err.endswith("Choose another name, or delete it\n")  # said before the run
-    assert captured.out == ""
+    assert "holds another run" in captured.err
+    assert "choose another name, or delete it" in captured.err
+    assert captured.out == ""  # said before the run
+    assert run(*SHEDS, "--periods", "5", "--out", str(path)) == 2
+    assert "longer than to" in capsys.readouterr().err
     assert path.read_bytes() == before
 
 
@@ -201,6 +205,10 @@ def test_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["--scheme", "verlet", "--dt", "0.02"], "beyond the stability limit"),
         (["--ramp", "-1"], "ramp = -1"),
         (["--periods", "0"], "periods = 0"),
+        (["--periods", "3"], "periods = 3 end before the ramp of 3 periods is over"),
+        (["--dt", "0.2"], "at least 20 steps a period"),
+        (["--out", "same.nc", "--checkpoint", "same.nc"], "same.nc is named twice"),
+        (["--dx", "1e-9"], "nodes"),
         (["--keep", "nan"], "keep = nan"),
         (["--out", "run.txt"], "--out 'run.txt': netCDF files end in .nc"),
         (["--plot", "run.bmp"], "ends in .pdf, .png, .svg"),

@@ -152,14 +152,14 @@ OTHERS = {
     "driven_end = 'pinned' there, 'clamped'": (replace(SMALL, driven_end="clamped"), COARSE),
     "damping = 0.01 there, 0.0 here": (replace(SMALL, damping=0.0), COARSE),
     "restitution = 0.0 there, 0.1": (replace(SMALL, restitution=0.1), COARSE),
-    "drive = 'ramped cosine 2.5 0.05 2' there, 'rest 1.0' here; omega = 2.5 there, None": (
+    "drive = 'ramped cosine 2.5 0.05 2.0' there, 'rest 1.0' here; omega = 2.5 there, None": (
         replace(SMALL, drive=at_rest()),
         COARSE,
     ),
     "dx = 0.05 there, 0.04 here; dt = 0.05 there, 0.04": (SMALL, Grid(0.04)),
     "length = 8.0 there, 9.0": (SMALL, Grid(0.05, length=9)),
     "sponge = 3.0 there, 2.0": (SMALL, Grid(0.05, sponge=2)),
-    "strength = 3.0 there, 4.0": (SMALL, Grid(0.05, strength=4)),
+    "strength = 10.0 there, 4.0": (SMALL, Grid(0.05, strength=4)),
     "dt = 0.05 there, 0.04": (SMALL, COARSE, 0.04),
     "scheme = 'trapezoidal' there, 'verlet'": (SMALL, COARSE, None, "verlet"),
 }

@@ -11,7 +11,7 @@ from numerics.contact import Scheme, Simulator, equilibrium, run_steps
 from numerics.drive import at_rest, cosine, ramped_cosine
 from numerics.errors import InputError
 from numerics.exact_solutions import travelling_pulse
-from numerics.observables import COLUMNS, Column
+from numerics.observables import COLUMNS, Column, contact_point
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid, State, rope, string_on_obstacle
 from numerics.simulation import follow, simulate
@@ -245,6 +245,15 @@ def test_contact_set_is_the_ground(forced):
     assert (run.heights[run.held] == 0).all()
     assert (run.heights[~run.held] > 0).all()
     assert 0 < run.held.mean() < 1
+
+
+@pytest.mark.parametrize("push", [2.5, -2.5])
+def test_a_single_node_on_the_ground_is_pushed_up_or_not_at_all(push):
+    """P is the elastic force that presses the node down, never one that would lift it."""
+    system = rope(RopeProblem(0.01, at_rest()), Grid(0.02, 2.5, 0.0))
+    held, force = np.zeros(system.size, bool), np.zeros(system.size)
+    held[40], force[40] = True, push
+    assert contact_point(system, force, held) == (system.positions[40], max(push, 0.0), 40)
 
 
 def test_weightless_string_at_rest():

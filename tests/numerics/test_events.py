@@ -12,19 +12,16 @@ from numerics.drive import at_rest, ramped_cosine
 from numerics.errors import InputError
 from numerics.event_study import Variant, first_event, study
 from numerics.events import (
-    PULSE,
-    ROOT,
     EventFinder,
     EventKind,
     fastest_contact,
-    pulse_length,
-    smallest_wave,
 )
 from numerics.exact_solutions import travelling_pulse
 from numerics.observables import COLUMNS, Column
 from numerics.problem import RopeProblem
+from numerics.pulses import PULSE, ROOT, pulse_length, pulse_speed, smallest_wave
 from numerics.semi_discrete import Grid
-from numerics.waves import lifted_waves, pulse_speed, track_waves
+from numerics.waves import lifted_waves, track_waves
 
 DX = 0.01
 
@@ -246,6 +243,29 @@ def test_the_first_event_needs_time():
     _, simulator = shaken(periods=1.0)
     with pytest.raises(InputError, match="later time"):
         first_event(simulator, 0.1, EventKind.NEW_CONTACT, 1e-3)
+
+
+def test_a_study_refuses_before_it_runs():
+    drive = ramped_cosine(2.9, 0.1, periods=8)
+    with pytest.raises(InputError, match="choose one of new contact"):
+        study(RopeProblem(0.01, drive), 1.0, "a wave", Grid(dx=0.02))
+    with pytest.raises(InputError, match="restitution"):
+        study(RopeProblem(0.01, drive, restitution=0.5), 1e6, EventKind.NEW_CONTACT, Grid(dx=0.02))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: pulse_length(0.01, -1.0, DX),
+        lambda: pulse_speed(-1.0, 0.1),
+        lambda: fastest_contact(rows_of(DX * np.arange(30.0)), DX, DX, math.nan),
+        lambda: track_waves(with_pulse(0.02)[1], -1.0, 0.1, 1e-2),
+        lambda: track_waves(with_pulse(0.02)[1], 1.0, math.inf, 1e-2),
+    ],
+)
+def test_bad_measures(wrong):
+    with pytest.raises(InputError):
+        wrong()
 
 
 @pytest.mark.parametrize("bad", [{"dx": 0}, {"dt": -1}, {"height": 0}, {"span": 0}])

@@ -11,9 +11,10 @@ from numerics.errors import InputError
 from numerics.exact_impact import StringImpact, point_plateau
 from numerics.grazing import fit_power, strike, wave_heights
 from numerics.problem import RopeProblem
+from numerics.pulses import pulse_speed
 from numerics.ramped_run import Settings
 from numerics.semi_discrete import Grid
-from numerics.waves import WaveTrack, pulse_speed, track_waves
+from numerics.waves import WaveTrack, track_waves
 
 SPACINGS = (0.01, 0.005, 0.0025, 0.00125)
 
@@ -103,6 +104,14 @@ def test_a_fit_without_data_is_refused():
         fit_power(np.linspace(0.05, 0.2, 9), np.ones(9), 0.1, 0.11)
 
 
+def test_a_fit_to_no_interval_or_unequal_columns_is_refused():
+    epsilon = np.linspace(0.12, 0.2, 9)
+    with pytest.raises(InputError, match="as many heights"):
+        fit_power(epsilon, np.ones(8), 0.1, 0.1)
+    with pytest.raises(InputError, match="ends of an interval"):
+        fit_power(epsilon, np.ones(9), np.nan, 0.1)
+
+
 def test_heights_start_at_the_threshold_and_rise():
     settings = Settings(dx=0.02, height=1e-4, ramp=40, hold=20)
     curve = wave_heights(2.9, 0.01, [0.03, 0.045, 0.05, 0.06], settings)
@@ -111,6 +120,8 @@ def test_heights_start_at_the_threshold_and_rise():
     assert np.all(curve.scatter[1:] < curve.mean[1:])
     with pytest.raises(InputError, match="hold"):
         wave_heights(2.9, 0.01, [0.03], Settings(dx=0.02, height=1e-4, hold=1))
+    with pytest.raises(InputError, match="empty"):
+        wave_heights(2.9, 0.01, [], settings)
 
 
 def test_waves_that_left_run_at_the_speed_of_their_pulse():

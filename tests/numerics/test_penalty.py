@@ -140,6 +140,10 @@ def test_bad_input(forced):
         with pytest.raises(InputError, match="increasing times"):
             solve(ground, times)
 
+    for options in ({"method": "euler"}, {"rtol": -1.0}, {"atol": math.nan}, {"times": ["soon"]}):
+        with pytest.raises(InputError, match=next(iter(options))):
+            solve(ground, **({"times": [0.1]} | options))
+
 
 def test_no_answer_is_said(forced):
     drive = Drive(lambda t: np.where(t > 0.1, np.nan, 1.0), np.zeros_like, "stops")

@@ -220,9 +220,13 @@ def test_another_run_does_not_replace_it(kept: Path) -> None:
 
 
 def test_a_longer_run_of_the_same_specification_replaces_it(kept: Path, run: Run) -> None:
-    save(simulate(PROBLEM, 2.0, GRID, 0.02), kept)
+    short = simulate(PROBLEM, 2.0, GRID, 0.02)
+    with pytest.raises(FileError, match=r"up to tau = 12, longer than to 2.*left as it is"):
+        save(short, kept)
+    save(short, kept, force=True)
     assert load(kept).sizes["snapshot_time"] == 0
     save(run, kept)
+    assert load(kept).attrs["end_time"] == 12.0
 
 
 def test_a_failed_write_leaves_the_old_file(

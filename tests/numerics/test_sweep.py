@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -77,7 +78,24 @@ def test_another_specification_is_refused(tmp_path: Path) -> None:
         sweep(square, TASKS[:1], tmp_path, "dx = 0.02")
 
 
+@pytest.mark.parametrize("value", [(1, 2), math.nan])
+def test_what_json_reads_back_otherwise_is_still_the_same_task(tmp_path: Path, value: Any) -> None:
+    calls: list[Any] = []
+
+    def work(task: dict[str, Any]) -> dict[str, Any]:
+        calls.append(task)
+        return {"y": 1}
+
+    for _ in range(2):
+        assert sweep(work, [{"x": value}], str(tmp_path)) == [{"y": 1}]
+    assert len(calls) == 1
+
+
 def test_bad_arguments() -> None:
+    with pytest.raises(InputError, match="not JSON"):
+        sweep(square, [{"x": {1}}])
+    with pytest.raises(InputError, match=r"workers = 1\.5"):
+        sweep(square, TASKS, workers=1.5)
     with pytest.raises(InputError, match="equal"):
         sweep(square, [{"x": 1}, {"x": 1}])
     with pytest.raises(InputError, match="workers = 0"):

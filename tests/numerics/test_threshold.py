@@ -10,8 +10,9 @@ import pytest
 from numerics.contact import Scheme
 from numerics.drive import at_rest
 from numerics.errors import InputError
-from numerics.events import Event, EventKind, smallest_wave
+from numerics.events import Event, EventKind
 from numerics.problem import RopeProblem
+from numerics.pulses import smallest_wave
 from numerics.ramped_run import Outcome, Settings, base_settings, run_once
 from numerics.threshold import (
     Change,
@@ -151,10 +152,36 @@ def test_close_to_a_resonance_the_swing_grows_while_the_drive_is_steady():
     assert run.mechanism is Mechanism.RESONANT_GROWTH
 
 
-@pytest.mark.parametrize("bad", [{"omega": 0}, {"relative": 0}, {"near": -1}, {"beta": -1}])
+@pytest.mark.parametrize(
+    "bad", [{"omega": 0}, {"relative": 0}, {"relative": 1e-17}, {"near": -1}, {"beta": -1}]
+)
 def test_bad_parameters(bad):
     with pytest.raises(InputError):
         threshold(**({"omega": 2.9, "beta": BETA, "base": COARSE, "quick": True} | bad))
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"dx": 0},
+        {"height": math.nan},
+        {"dt": -1},
+        {"ramp": 0},
+        {"hold": -1},
+        {"sponge": -1},
+        {"refine": 0},
+        {"scheme": "euler"},
+    ],
+)
+def test_bad_settings(bad):
+    with pytest.raises(InputError, match=next(iter(bad))):
+        replace(COARSE, **bad)
+
+
+@pytest.mark.parametrize("near", [1e-6, 5.0])
+def test_a_wild_guess_is_brought_into_the_range(near):
+    run = bracket(2.9, BETA, COARSE, relative=0.05, near=near)
+    assert 1e-3 < run.lower < run.upper < 0.9
 
 
 def test_no_loss_at_any_amplitude_is_said():

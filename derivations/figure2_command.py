@@ -1,0 +1,116 @@
+"""``ropewave figure2``: Fig. 2 of the paper at working resolution, computed and drawn."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from derivations.options import JsonOption, order_of
+
+if TYPE_CHECKING:
+    from derivations.figure2 import Point
+
+
+def figure2(
+    coarse: Annotated[
+        bool, typer.Option("--coarse", help="A sixth of the points, no error bars: a minute.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="The figure: .png, .pdf or .svg.")] = Path(
+        "figure2.png"
+    ),
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Folder to keep the points in and resume from, or a collected .json."),
+    ] = None,
+    collect: Annotated[
+        Path | None, typer.Option(help="Also write all points as one .json.")
+    ] = None,
+    workers: Annotated[str, typer.Option(help="Processes that compute.")] = "1",
+    as_json: JsonOption = False,
+) -> None:
+    """Compute where the wave-less state is lost, and draw it against every law."""
+    from derivations.figure2_fits import exponents
+    from derivations.figure2_laws import all_laws
+    from derivations.figure2_plot import plot_figure2
+    from derivations.plots import check_plot_path
+
+    count = order_of(workers, "--workers")
+    check_plot_path(out)
+    points, coarse = _points(coarse, data, count, as_json)
+    written = [out]
+    plot_figure2(points, out)
+    if collect is not None:
+        from derivations.figure2 import write_collected
+
+        write_collected(points, coarse, collect)
+        written.append(collect)
+    fits = exponents(points)
+    if as_json:
+        print(json.dumps(_report(points, fits, all_laws(), coarse, written)))
+        return
+    print(_text(points, fits))
+    for path in written:
+        print(f"wrote {path}", file=sys.stderr)
+
+
+def _points(coarse: bool, data: Path | None, workers: int, quiet: bool) -> tuple[list[Point], bool]:
+    """Read a collected file, or compute, in memory when coarse and without a folder."""
+    from derivations.figure2 import compute, read_collected, tasks
+    from derivations.progress import progress
+
+    if data is not None and data.suffix == ".json":
+        return read_collected(data)
+    from derivations.simulation_commands import need
+
+    need("numba")
+    if data is None and not coarse:
+        from derivations.app import cache_folder
+
+        data = cache_folder() / "figure2"
+    folder = None if data is None else data / ("coarse" if coarse else "working")
+    with progress("figure 2", len(tasks(coarse)), quiet, fine=True) as tell:
+        return compute(coarse, folder, workers, lambda done, _: tell(done)), coarse
+
+
+def _text(points: list[Point], fits: list[Any]) -> str:
+    """How many points, and the exponents."""
+    lines = [f"{len(points)} points"]
+    for fit in fits:
+        side = "below" if fit.side < 0 else "above"
+        lines.append(
+            f"{fit.curve:12} {side} {fit.resonance}, {fit.window:4} "
+            f"epsilon ~ |mu|^({fit.value:.2f} +- {fit.error:.2f}), {fit.count} points"
+        )
+    return "\n".join(lines)
+
+
+def _report(
+    points: list[Point], fits: list[Any], laws: Any, coarse: bool, written: list[Path]
+) -> dict[str, Any]:
+    from derivations.figure2 import specification
+
+    return {
+        "command": "figure2",
+        "specification": specification(coarse),
+        "points": points,
+        "exponents": [vars(fit) for fit in fits],
+        "laws": [
+            {
+                "family": law.family.value,
+                "resonance": law.resonance,
+                "beta": law.beta,
+                "centre": law.centre,
+                "coefficient": law.coefficient,
+                "exponent": str(law.exponent),
+                "sides": list(law.sides),
+                # JSON has no infinity: null is a window without an end, or none at all.
+                "window": [edge if abs(edge) < float("inf") else None for edge in law.window],
+            }
+            for law in laws
+        ],
+        "files": [str(path) for path in written],
+    }
