@@ -24,7 +24,9 @@ from derivations.figure2_laws import (
     laws,
 )
 from derivations.figure2_plot import plot_figure2
+from derivations.figure2_tables import MECHANISMS, tables
 from numerics.errors import FileError
+from numerics.threshold import Mechanism
 
 DOCS = Path(__file__).parents[2] / "docs"
 RESONANCES = ("1/2", "1/1", "2/1")
@@ -220,6 +222,7 @@ def test_collected_data_come_back_and_others_are_refused(tmp_path: Path) -> None
     [
         (["--workers", "0"], "--workers"),
         (["--out", "figure.bmp"], "ends in .pdf, .png, .svg"),
+        (["--tables", "tables.html"], "ends in .md"),
         (["--data", "nowhere.json"], "cannot read nowhere.json"),
         (["--data", "pyproject.toml.json"], "cannot read"),
     ],
@@ -242,8 +245,9 @@ def test_two_frequencies_from_simulation_to_figure(
     monkeypatch.setattr(figure2, "BETAS", (0.01,))
     monkeypatch.setattr(figure2, "RAMP", 10.0)
     monkeypatch.setattr(figure2, "HOLD", 2.0)
-    out, collect = tmp_path / "figure.png", tmp_path / "points.json"
+    out, collect, text = (tmp_path / name for name in ("figure.png", "points.json", "tables.md"))
     arguments = ["--coarse", "--out", str(out), "--collect", str(collect), "--json"]
+    arguments += ["--tables", str(text)]
     assert run(*arguments, "--data", str(tmp_path)) == 0
     report = json.loads(capsys.readouterr().out)
     assert [(point["beta"], point["omega"]) for point in report["points"]] == [
@@ -260,6 +264,8 @@ def test_two_frequencies_from_simulation_to_figure(
     assert len(list((tmp_path / "coarse").iterdir())) == 4
     points, _ = figure2.read_collected(collect)
     assert points == report["points"]
+    assert report["files"] == [str(out), str(collect), str(text)]
+    assert text.read_text(encoding="utf-8") == tables(points, coarse=True)
     again = tmp_path / "again.png"
     plot_figure2(points[::-1], again)
     assert again.read_bytes() == out.read_bytes()
@@ -269,12 +275,75 @@ def test_committed_points_cover_the_figure() -> None:
     """docs/figure2.json is complete, and its intervals are intervals."""
     points, coarse = figure2.read_collected(DOCS / "figure2.json")
     assert not coarse
+    content = json.loads((DOCS / "figure2.json").read_text(encoding="utf-8"))
+    assert content["specification"] == figure2.specification()
     found = {(point["beta"], point["omega"]) for point in points}
     assert found == {(task["beta"], task["omega"]) for task in figure2.tasks()}
     for point in points:
         assert 0 < point["lower"] < point["upper"]
         names = [item["change"] for item in point["brackets"]]
         assert len(names) == (7 if point["beta"] > 0 else 4)
+
+
+def test_committed_tables_are_those_of_the_committed_points() -> None:
+    points, coarse = figure2.read_collected(DOCS / "figure2.json")
+    assert (DOCS / "figure2-tables.md").read_bytes() == tables(points, coarse).encode()
+
+
+def cells(text: str, section: str) -> list[list[str]]:
+    """The rows of one table, its head first."""
+    body = text.split(f"\n## {section}\n\n")[1].split("\n\n")[0]
+    lines = [line[2:-2].replace("\\|", "¦").split(" | ") for line in body.splitlines()]
+    return [lines[0], *lines[2:]]
+
+
+def test_tables_tell_what_the_points_hold() -> None:
+    """Points of 0.1 |μ|^1.5 with ends a factor e^0.1 off, and pendulums of 0.1 μ²."""
+    text = tables(synthetic())
+    assert cells(text, "Points")[1] == ["0.01", "29", "1.22", "1.2", "0", "0", "29", "0"]
+    dips = {(line[0], line[1][:2]): line for line in cells(text, "Lowest points")[1:]}
+    assert dips["0.01", "Ω₁"][3:] == ["-0.0125", "0.00014 [0.000126, 0.000154]"]
+    fits = cells(text, "Local exponents")
+    assert fits[0][2:] == ["β = 0.01", "β = 0.001", "β = 0, ramped", "last circle"]
+    found = {(line[0], line[1]): line[2:] for line in fits[1:]}
+    assert [cell.split()[0] for cell in found["above Ω₂", "near"]] == ["1.50"] * 2 + [
+        "2.00",
+        "2.000",
+    ]
+    assert found["below Ω₁/2", "near"] == ["–"] * 4
+    # 0.8 e^-0.05 is the middle of the circle's bracket over the law.
+    _, above = (line for line in cells(text, "Pendulum") if line[0] == "0.125 ¦μ¦^2")
+    assert above[1].startswith("last circle, above 3.1416")
+    assert above[2].split(", ")[0] == f"0.0125: {0.8 * math.exp(-0.05):.2f}"
+    assert "*" not in above[2]
+
+
+def test_tables_star_the_laws_that_intervals_contain() -> None:
+    fold = laws(Family.FOLD, 0.01)[1]
+    sizes = (0.02, 0.1)
+    rows = [
+        row(0.01, fold.centre - mu, factor * float(fold.epsilon(fold.centre - mu)))
+        for mu, factor in zip(sizes, (1.05, 1.2), strict=True)
+    ]
+    head, line = cells(tables(rows), "Bending folds")
+    assert head == ["law", "curve", "computed over law at ¦μ¦"]
+    assert line == ["0.1127 ¦μ¦^3/2", "β = 0.01, below 3.2500", "0.02: 1.05*, 0.1: 1.20"]
+    moved = [line for line in cells(tables(rows), "Truncated tongues") if "below 3.2500" in line[1]]
+    truncated = laws(Family.TRUNCATED)[1]
+    value = 1.2 * 0.112680 * 0.1**1.5 / (truncated.coefficient * 0.1 ** (5 / 3))
+    assert moved[0][2].split(", ")[1] == f"0.1: {value:.2f}"
+
+
+def test_tables_know_neither_order_nor_other_mechanisms() -> None:
+    rows = [*synthetic(), row(1e-4, 2.9, 0.01)]
+    assert tables(rows[::-1]) == tables(rows)
+    assert cells(tables(rows), "β → 0")[2][1:] == [
+        "0.10700 [0.09682, 0.11825], ×15.29",
+        "0.03862 [0.03495, 0.04268], ×5.52",
+        "0.01000 [0.00905, 0.01105], ×1.43",
+        "0.00700 [0.00633, 0.00774], ×1.00",
+    ]
+    assert set(MECHANISMS) == {item.value for item in Mechanism}
 
 
 def test_curves_are_ordered() -> None:
