@@ -29,10 +29,14 @@ def figure2(
     collect: Annotated[
         Path | None, typer.Option(help="Also write all points as one .json.")
     ] = None,
+    tables: Annotated[
+        Path | None, typer.Option(help="Also write the tables, as markdown: .md.")
+    ] = None,
     workers: Annotated[str, typer.Option(help="Processes that compute.")] = "1",
     as_json: JsonOption = False,
 ) -> None:
     """Compute where the wave-less state is lost, and draw it against every law."""
+    from asymptotics.errors import InputError
     from derivations.figure2_fits import exponents
     from derivations.figure2_laws import all_laws
     from derivations.figure2_plot import plot_figure2
@@ -40,6 +44,8 @@ def figure2(
 
     count = order_of(workers, "--workers")
     check_plot_path(out)
+    if tables is not None and tables.suffix != ".md":
+        raise InputError(f"--tables {tables}: the file's name ends in .md")
     points, coarse = _points(coarse, data, count, as_json)
     written = [out]
     plot_figure2(points, out)
@@ -48,6 +54,8 @@ def figure2(
 
         write_collected(points, coarse, collect)
         written.append(collect)
+    if tables is not None:
+        written.append(_write_tables(points, coarse, tables))
     fits = exponents(points)
     if as_json:
         print(json.dumps(_report(points, fits, all_laws(), coarse, written)))
@@ -74,6 +82,14 @@ def _points(coarse: bool, data: Path | None, workers: int, quiet: bool) -> tuple
     folder = None if data is None else data / ("coarse" if coarse else "working")
     with progress("figure 2", len(tasks(coarse)), quiet, fine=True) as tell:
         return compute(coarse, folder, workers, lambda done, _: tell(done)), coarse
+
+
+def _write_tables(points: list[Point], coarse: bool, path: Path) -> Path:
+    from derivations import figure2_tables
+    from derivations.formats import write_files
+
+    [written] = write_files({path.name: figure2_tables.tables(points, coarse)}, path.parent)
+    return written
 
 
 def _text(points: list[Point], fits: list[Any]) -> str:

@@ -31,11 +31,11 @@ _PLACES = {
     (Family.TRUNCATED, "1/2"): 0.055,
     (Family.TRUNCATED, "1/1"): 0.12,
     (Family.TRUNCATED, "2/1"): 0.12,
-    (Family.PENDULUM, "1/2"): 0.15,
-    (Family.PENDULUM, "1/1"): 0.16,
-    (Family.PENDULUM, "2/1"): 0.16,
+    (Family.PENDULUM, "1/2"): 0.014,
+    (Family.PENDULUM, "1/1"): 0.037,
+    (Family.PENDULUM, "2/1"): 0.066,
     (Family.FOLD, "1/2"): 0.0115,
-    (Family.FOLD, "1/1"): 0.0115,
+    (Family.FOLD, "1/1"): 0.0105,
     (Family.FOLD, "2/1"): 0.02,
 }
 _SHORT = {Family.TRUNCATED: "truncated", Family.PENDULUM: "pendulum", Family.FOLD: "fold"}
@@ -248,6 +248,6 @@ def _line(axes: Any, law: Law, side: int) -> None:
         place, height, f"{_SHORT[law.family]} {law.text}", color=colour, fontsize=6.5,
         ha="left", va="top" if under else "baseline", transform=axes.transData + shift,
         rotation=math.degrees(math.atan(slope)), rotation_mode="anchor",
-        transform_rotates_text=True, zorder=6,
+        transform_rotates_text=True, zorder=1.5,
         path_effects=[withStroke(linewidth=1.6, foreground="white")],
     )  # fmt: skip

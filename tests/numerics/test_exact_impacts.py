@@ -11,11 +11,8 @@ from numerics.exact_solutions import (
     bouncing_bar,
     point_plateau,
 )
-from numerics.problem import DrivenEnd
 
 EPS = float(np.finfo(float).eps)
-ENDS = list(DrivenEnd)
-BETAS = [1e-8, 1e-3, 0.01, 0.1, 1.0, 1e4]
 
 
 # --- the bouncing bar ---------------------------------------------------------------------------
