@@ -29,7 +29,7 @@ def compiled(ramp, hold, points):
 
 def in_numpy(ramp, hold):
     drive = ramped_cosine(OMEGA, EPSILON, ramp)
-    the_map = return_map(drive, 10.0, 1.0, None)
+    the_map = return_map(drive, 10.0, 1.0)
     labels = 2 * (np.arange(1, LABELS + 1) / LABELS - 1)
     times, _ = the_map.table(labels, (ramp + hold) * drive.period)
     return times.size
