@@ -16,7 +16,7 @@ import numpy as np
 
 from derivations.simulation_plots import FRAMES_PER_PERIOD
 from numerics.checkpoint import save_checkpoint, saving, start_or_resume
-from numerics.contact import Block, Scheme, Simulator, equilibrium, steps_until
+from numerics.contact import Block, Scheme, Simulator, equilibrium, steps_until, stride
 from numerics.drive import Drive, cosine, non_negative, positive, ramped_cosine
 from numerics.errors import InputError
 from numerics.events import Event, EventFinder, EventKind
@@ -227,9 +227,9 @@ def watch(
             f"{checkpoint} already stands at tau = {simulator.time:.6g}, not before the end "
             f"{until:.6g} of these {periods:g} periods; ask for more periods, or for another file"
         )
-    stride = max(round(period / FRAMES_PER_PERIOD / simulator.dt), 1)
+    every = stride("snapshots", period / FRAMES_PER_PERIOD, simulator.dt)
     window = max(last - math.ceil(positive("keep", keep) * period / simulator.dt), 0)
-    window -= window % stride
+    window -= window % every
     history = _History(simulator)
     with _interruptible() as check:
 
@@ -248,7 +248,7 @@ def watch(
                 while simulator.step < window:
                     stop = min(simulator.time + period, window * simulator.dt)
                     history.add(follow(simulator, stop, simulator.time, progress=tell))
-            run = follow(simulator, until, simulator.time, stride * simulator.dt, progress=done)
+            run = follow(simulator, until, simulator.time, every * simulator.dt, progress=done)
         except KeyboardInterrupt:
             if checkpoint is not None and simulator.step <= window:
                 save_checkpoint(simulator, checkpoint)

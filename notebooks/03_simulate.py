@@ -156,7 +156,8 @@ figure.colorbar(picture, label=r"$\log_{10}$ height $w/Z_0$")
 
 # %%
 from numerics.contact import Simulator
-from numerics.waves import pulse_speed, track_waves
+from numerics.pulses import pulse_speed
+from numerics.waves import track_waves
 
 for dx in (0.01, 0.005):
     simulator = Simulator(RopeProblem(beta, strong), Grid(dx=dx))
