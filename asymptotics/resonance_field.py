@@ -89,18 +89,25 @@ class ResonanceField:
         return self.reduce(embed(fmpq_poly(cotangent_powers(self.q)[0])) * (-1) ** self.p)
 
     def value(self, coefficient: Coefficient, bits: int = 128) -> arb:
-        """An enclosure of a coefficient, with about ``bits`` bits.
+        """An enclosure of a coefficient, with ``bits`` significant bits.
 
         >>> field = ResonanceField(1, 3)
         >>> field.value(field.centre).mid().str(15, radius=False)
         '1.04719755119660'
         """
-        with flint.ctx.workprec(bits):
-            pi, c = arb.pi(), _cot_pi(self.p, self.q) if self.q > 1 else arb(0)
-            total = arb(0)
-            for (a, i), r in coefficient.terms():
-                total += arb(r) * pi ** int(a) * c ** int(i)
-            return total
+        terms = list(self.reduce(coefficient).terms())
+        if not terms:
+            return arb(0)
+        working = 2 * bits
+        while True:  # a reduced coefficient is zero only without terms, so this ends
+            with flint.ctx.workprec(working):
+                pi, c = arb.pi(), _cot_pi(self.p, self.q) if self.q > 1 else arb(0)
+                total = arb(0)
+                for (a, i), r in terms:
+                    total += arb(r) * pi ** int(a) * c ** int(i)
+            if total.rel_accuracy_bits() >= bits:
+                return total
+            working *= 2
 
     def text(self, coefficient: Coefficient) -> str:
         """The coefficient as text that SymPy parses; c is written cot(p*pi/q).

@@ -13,6 +13,7 @@ at the orders before. For q ≥ 5 and n ≥ 2 the law is therefore that of the l
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -25,7 +26,12 @@ from asymptotics.expansion import Expansion, check_order, expand
 from asymptotics.laurent import LaurentElement, LaurentRing, PrecisionError
 from asymptotics.pendulum import coefficient
 from asymptotics.problem import string
-from asymptotics.resonance_field import ONE, C, Coefficient, ResonanceField, check_resonance
+from asymptotics.resonance_field import ONE, ZERO, C, Coefficient, ResonanceField, check_resonance
+
+MOST_Q = 60
+"""Seconds; the degree of the field ℚ(cot pπ/q) grows with q."""
+MOST_MULTIPLE = 80
+"""n of order qn: seconds; by then C is within 12 % of the limit law's, and creeps."""
 
 
 @dataclass(frozen=True)
@@ -91,14 +97,33 @@ def amplitudes(expansion: Expansion[LaurentElement], n: int) -> dict[int, Lauren
     return out
 
 
+class _OneSidedRing(LaurentRing):
+    """Laurent series of a state driven by e^{iθ} alone: nothing is reflected.
+
+    At order n the harmonic e^{inθ} is made of the e^{imθ} of orders m < n only, since every
+    reflected factor e^{−imθ} costs an order and lowers the harmonic. Leaving reflections out
+    therefore leaves ξ_{n,n} as it is, and nothing but the ξ_{n,n} to compute.
+    """
+
+    even = False
+
+    def conjugate(self, element: LaurentElement) -> LaurentElement:
+        """Zero: the coefficient of e^{−ijθ}."""
+        return self.zero
+
+
 @lru_cache(maxsize=64, typed=True)
 def singular_part(p: int, q: int, order: int) -> SingularPart:
     """The leading singular part that the expansion through ``order`` has at pπ/q.
 
+    The pole a_q/μ of order q comes from the order loop, those of orders 2q, 3q, … from the
+    pendulum; :func:`expanded_part` has them all from the order loop.
+
     Raises
     ------
     InputError
-        p/q not in lowest terms, ``order`` not a whole number ≥ 1, or q > ``order``.
+        p/q not in lowest terms, ``order`` not a whole number ≥ 1, q > ``order``, or numbers beyond
+        what is useful: q > 60 or ``order`` ≥ 81q.
 
     Examples
     --------
@@ -107,15 +132,34 @@ def singular_part(p: int, q: int, order: int) -> SingularPart:
     >>> singular_part(1, 1, 3).text(), singular_part(1, 1, 3).exponent
     ({1: '-pi**5/64', 3: '-pi**5/64'}, Fraction(5, 3))
     """
-    check_resonance(p, q)
-    n = check_order(order) // q
-    if n == 0:
-        raise InputError(
-            f"order = {order} has no pole at p/q = {p}/{q}: the resonance enters at order q; give "
-            f"an order ≥ {q}"
-        )
-    if q >= 5 and n >= 2:
+    n = _check_part(p, q, order)
+    if n > 1:
         return _pendulum_part(singular_part(p, q, q), n)
+    ring = _OneSidedRing(p, q, 1)
+    expansion = expand(string(ring, ring.omega, ring.cot, name=f"string near {p}/{q}"), q)
+    harmonics = _leading(amplitudes(expansion, 1), 1)
+    return SingularPart(p, q, q, 1, "mu", harmonics, ring.field)
+
+
+def expanded_part(p: int, q: int, order: int) -> SingularPart:
+    """:func:`singular_part` from the whole expansion, without the pendulum; q ≤ 4 where n ≥ 2.
+
+    Raises
+    ------
+    InputError
+        As :func:`singular_part`; or q ≥ 5 at order 2q and beyond, where worse poles than the
+        pendulum's stand in the expansion in μ.
+
+    Examples
+    --------
+    >>> expanded_part(1, 2, 4).text() == singular_part(1, 2, 4).text()
+    True
+    """
+    n = _check_part(p, q, order)
+    if q >= 5 and n >= 2:
+        raise InputError(
+            f"at p/q = {p}/{q}, order {order}, the leading part is one in mu_eff: use singular_part"
+        )
     terms = 1
     while True:
         series = amplitudes(laurent_expansion(p, q, q * n, terms), n)
@@ -124,14 +168,29 @@ def singular_part(p: int, q: int, order: int) -> SingularPart:
             break
         except PrecisionError:
             terms *= 2
-    foreign = [j for j in harmonics if j % q or j == 0]
-    if not harmonics or foreign:
-        raise ArithmeticError(
-            f"the leading part at {p}/{q}, order {q * n}, has harmonics {sorted(harmonics)}; "
-            f"expected multiples of {q}"
+    return SingularPart(p, q, q * n, 2 * n - 1, "mu", harmonics, ResonanceField(p, q))
+
+
+def _check_part(p: int, q: int, order: int) -> int:
+    """n of the largest qn ≤ order."""
+    check_resonance(p, q)
+    n = check_order(order) // q
+    if n == 0:
+        raise InputError(
+            f"order = {order} has no pole at p/q = {p}/{q}: the resonance enters at order q; give "
+            f"an order ≥ {q}"
         )
-    field = ResonanceField(p, q)
-    return SingularPart(p, q, q * n, 2 * n - 1, "mu", harmonics, field)
+    if q > MOST_Q:
+        raise InputError(
+            f"p/q = {p}/{q}: exact coefficients at this resonance are polynomials of a degree "
+            f"near q in cot(p*pi/q), which takes minutes and fills pages; give q ≤ {MOST_Q}"
+        )
+    if n > MOST_MULTIPLE:
+        raise InputError(
+            f"order = {order}: certifying where {n} harmonics touch takes minutes, and the law is "
+            f"next to its limit; give an order ≤ {q * MOST_MULTIPLE}, or use the limit law"
+        )
+    return n
 
 
 def _leading(series: Mapping[int, LaurentElement], pole: int) -> dict[int, Coefficient]:
@@ -144,16 +203,29 @@ def _leading(series: Mapping[int, LaurentElement], pole: int) -> dict[int, Coeff
 
 
 def _pendulum_part(first: SingularPart, n: int) -> SingularPart:
-    """Ω₀^{n−1} a₁^n A_{n,k}: order qn in the variable μ_eff."""
+    """Order qn from a₁: Ω₀^{n−1} a₁^n A_{n,k} in μ_eff, which is μ for q ≤ 3.
+
+    At q = 4 the law stays one in μ. There order 4n also collects (γε²/μ)^{2(n−i)} from the orders
+    4i before it: μ_eff^{−e} = μ^{−e} Σ_l C(e + l − 1, l) (γε²/μ)^l.
+    """
     field, q = first.field, first.q
-    power = field.centre ** (n - 1)
-    for _ in range(n):
-        power = field.reduce(power * first.harmonics[q])
-    harmonics = {}
-    for k in range(n % 2 or 2, n + 1, 2):
-        value = coefficient(n, k)
-        harmonics[k * q] = power * fmpq(value.numerator, value.denominator)
-    return SingularPart(first.p, q, q * n, 2 * n - 1, "mu_eff", harmonics, field)
+    shift = centre_shift(first.p, q) if q == 4 else ZERO
+    harmonics: dict[int, Coefficient] = {}
+    power = field.reduce(first.harmonics[q])
+    for i in range(1, n + 1):
+        lag = 2 * (n - i)
+        if i > 1:
+            power = field.reduce(power * field.centre * first.harmonics[q])
+        if lag and shift.is_zero():
+            continue
+        weight = field.reduce(power * shift**lag) * math.comb(2 * i - 2 + lag, lag)
+        for k in range(i % 2 or 2, i + 1, 2):
+            value = coefficient(i, k)
+            term = weight * fmpq(value.numerator, value.denominator)
+            harmonics[k * q] = field.reduce(harmonics.get(k * q, ZERO) + term)
+    found = {j: a for j, a in sorted(harmonics.items()) if not a.is_zero()}
+    variable = "mu_eff" if q >= 5 else "mu"
+    return SingularPart(first.p, q, q * n, 2 * n - 1, variable, found, field)
 
 
 def pole_orders(p: int, q: int, order: int) -> tuple[int, ...]:
@@ -179,6 +251,35 @@ def pole_orders(p: int, q: int, order: int) -> tuple[int, ...]:
         terms *= 2
         expansion = laurent_expansion(p, q, order, terms)
     return tuple(out)
+
+
+def next_terms(p: int, q: int) -> tuple[float, float]:
+    r"""b and c of the terms next to the pole that makes the pendulum, relative to it.
+
+    .. math:: \frac{a_q ε^q}{μ} \Bigl(1 + bμ + \frac{γε^2}{μ} + cε^2 + …\Bigr) \cos qθ.
+
+    γ is the shift of the centre. c = 0 is returned for q ≤ 2: on the pendulum's separatrix,
+    ε ∼ μ^{2/q}, it is of second order there.
+
+    >>> b, c = next_terms(1, 1)
+    >>> b * math.pi, c
+    (1.0, 0.0)
+    """
+    expansion = laurent_expansion(p, q, q if q <= 2 else q + 2, terms=2)
+    ring = expansion.problem.ring
+    assert isinstance(ring, LaurentRing)
+    field = ring.field
+    first = amplitudes(expansion, 1)[q]
+    pole = field.value(first.coefficient(-1))
+    b = float(field.value(first.coefficient(0)) / pole)
+    if q <= 2:
+        return b, 0.0
+    # In ε̂, and with sin^{−2} Ω = sin^{−2} Ω₀ (1 − 2μ cot Ω₀ + …) taken to ε.
+    first, second = expansion.contact(q)[q], expansion.contact(q + 2)[q]
+    pole = field.value(first.coefficient(-1))
+    double, simple = (field.value(second.coefficient(k)) / pole for k in (-2, -1))
+    cot = field.value(field.cot(1))
+    return b, float((simple - 2 * cot * double) * (1 + cot * cot))
 
 
 def centre_shift(p: int, q: int) -> Coefficient:

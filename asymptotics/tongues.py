@@ -10,6 +10,12 @@ At Ω = pπ/q + μ the expansion of order N = qn has the leading singular part
 The a_j are exact (:mod:`asymptotics.singular`, which also says what μ is for q ≥ 4). Only the place
 and time of the touch are numbers (:mod:`asymptotics.grazing`). As n grows these laws approach
 that of the pendulum (:mod:`asymptotics.pendulum`), ε = (π²μ²/(4v_q))^{1/q}.
+
+**Where they hold.** The series in ε converges below the pendulum's law only, so a touch above it is
+one of a divergent series. C|μ|^{(2n−1)/(qn)} = C_∞|μ|^{2/q} at |μ| = (C/C_∞)^{qn}, and below that
+distance the touch is above; usually that is farther than the next resonance, and the law then holds
+nowhere as a law of the rope, only as one of the truncated expansion. The pendulum's law is the
+first term as μ → 0. What the next terms change is estimated by :meth:`LimitLaw.error`.
 """
 
 from __future__ import annotations
@@ -18,7 +24,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from math import pi
+from functools import lru_cache
+from math import pi, sqrt
+from typing import Any
 
 import flint
 from flint import arb
@@ -27,7 +35,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion import check_order
 from asymptotics.grazing import graze
 from asymptotics.resonance_field import ZERO, check_resonance
-from asymptotics.singular import SingularPart, centre_shift, singular_part
+from asymptotics.singular import SingularPart, centre_shift, next_terms, singular_part
 
 __all__ = [
     "LimitLaw",
@@ -58,6 +66,8 @@ class Touch:
         time: the pinched-off bump.
     gap
         Certified relative gap between C^N and its lower bound over all places and times.
+    divergent
+        |μ| below which the touch lies where the series diverges.
     """
 
     coefficient: float
@@ -65,6 +75,7 @@ class Touch:
     theta: float
     height: float
     gap: float
+    divergent: float
 
 
 @dataclass(frozen=True)
@@ -78,6 +89,8 @@ class LimitLaw:
     shift
         γ as text, μ_eff = μ − γε²; "0" for q ≤ 2, where the shift vanishes against μ or, at q = 1,
         is part of the pendulum.
+    next_terms
+        b and c of :func:`asymptotics.singular.next_terms`; None for q > 12, where they take long.
     """
 
     p: int
@@ -87,6 +100,55 @@ class LimitLaw:
     strength: str
     shift: str
     shift_value: float
+    next_terms: tuple[float, float] | None
+
+    def epsilon(self, distance: Any) -> Any:
+        """ε of the law at |μ_eff|, a number or an array."""
+        return self.coefficient * distance ** float(self.exponent)
+
+    def error(self, distance: float) -> float | None:
+        r"""Estimate of the law's relative error at |μ_eff|: 4(|bμ_eff| + |c|ε²)/q.
+
+        The 4 is for what the terms of higher order in Λ add on the way to the separatrix: their
+        share of the next term grows with the order like that of a shifted singularity, twice the
+        first one's at q = 1, and the circle breaks before the separatrix. Held against the last
+        invariant circle at seven resonances, on both sides.
+
+        >>> round(limit_law(1, 1).error(0.1), 4)
+        0.1273
+        """
+        if self.next_terms is None:
+            return None
+        b, c = self.next_terms
+        return 4 * (abs(b) * distance + abs(c) * self.epsilon(distance) ** 2) / self.q
+
+    @property
+    def range(self) -> float | None:
+        """|μ_eff| up to which :meth:`error` is at most 10 %; None where it is not known.
+
+        >>> round(limit_law(1, 2).range, 4), limit_law(1, 13).range
+        (0.0262, None)
+        """
+        if self.next_terms is None:
+            return None
+        low, high = 0.0, half_way(self.p, self.q)
+        while high - low > 1e-12 * high:
+            middle = 0.5 * (low + high)
+            estimate = self.error(middle)
+            assert estimate is not None
+            low, high = (middle, high) if estimate <= TOLERANCE else (low, middle)
+        return low
+
+    @property
+    def radius(self) -> float:
+        r"""R of the series' radius of convergence, ε = R|μ|^{2/q}: C_∞ but at q = 4.
+
+        At q = 4 the series is one in μ, where γε² ∼ μ. It ends at the nearest complex solution of
+        ε⁴ = C_∞⁴(μ − γε²)², which is |ε|² = |μ|/(C_∞^{−2} + |γ|).
+        """
+        if self.q != 4:
+            return self.coefficient
+        return 1 / sqrt(self.coefficient**-2 + abs(self.shift_value))
 
 
 @dataclass(frozen=True)
@@ -106,6 +168,37 @@ class Tongue:
     def exponent(self) -> Fraction:
         """(2n − 1)/(qn)."""
         return self.singular.exponent
+
+    @property
+    def half_way(self) -> float:
+        """|μ| half way to the next resonance, see :func:`half_way`."""
+        return half_way(self.singular.p, self.singular.q)
+
+    def window(self, sign: str) -> tuple[float, float] | None:
+        """From which to which |μ| the law may hold for the rope; None if nowhere.
+
+        >>> tongue(1, 1, 3).window("+") is None
+        True
+        """
+        low = self.sides[sign].divergent
+        return (low, self.half_way) if low < self.half_way else None
+
+
+TOLERANCE = 0.1
+"""The estimated relative error up to which a law is given."""
+
+_MOST_TERMS = 12  # q up to which the next terms of the limit law take less than a second
+
+
+def half_way(p: int, q: int) -> float:
+    """|Ω − pπ/q| half way to the next resonance whose denominator is at most q.
+
+    >>> half_way(1, 1) / pi, half_way(1, 2) / pi, round(half_way(1, 3) / pi * 12, 14)
+    (0.5, 0.25, 1.0)
+    """
+    # The neighbours of p/q in the Farey sequence of order q have denominators r with pr ≡ ±1.
+    nearest = max(r for r in range(1, q + 1) if (p * r - 1) % q == 0 or (p * r + 1) % q == 0)
+    return pi / (2 * q * nearest)
 
 
 def parse_fraction(text: str) -> tuple[int, int]:
@@ -130,6 +223,7 @@ def parse_fraction(text: str) -> tuple[int, int]:
     return p, q
 
 
+@lru_cache(maxsize=64, typed=True)
 def limit_law(p: int, q: int) -> LimitLaw:
     r"""The pendulum's law ε = (π²μ_eff²/(4v_q))^{1/q} of any resonance.
 
@@ -165,6 +259,7 @@ def limit_law(p: int, q: int) -> LimitLaw:
         strength=field.text(strength),
         shift=field.text(shift),
         shift_value=float(field.value(shift)),
+        next_terms=next_terms(p, q) if q <= _MOST_TERMS else None,
     )
 
 
@@ -195,25 +290,24 @@ def tongue(p: int, q: int, order: int) -> Tongue:
     (0.085, 1.815)
     """
     check_resonance(p, q)
-    part = singular_part(p, q, check_order(order))
-    return Tongue(
-        order=int(order),
-        singular=part,
-        sides={"+": _touch(part, 1), "-": _touch(part, (-1) ** part.pole)},
-        limit=limit_law(p, q),
-    )
+    part, limit = singular_part(p, q, check_order(order)), limit_law(p, q)
+    sides = {"+": _touch(part, limit, 1), "-": _touch(part, limit, -1)}
+    return Tongue(int(order), part, sides, limit)
 
 
-def _touch(part: SingularPart, sign: int) -> Touch:
+def _touch(part: SingularPart, limit: LimitLaw, side: int) -> Touch:
     """Scale the harmonics to size 1, graze, and scale back."""
+    sign = side**part.pole
     values = part.values()
     scale = max(abs(a) for a in values.values())
     touch = graze({j // part.q: sign * a / scale for j, a in values.items()})
     width = part.p * pi
+    coefficient = (touch.amplitude / (width * scale)) ** (1 / part.order)
     return Touch(
-        coefficient=(touch.amplitude / (width * scale)) ** (1 / part.order),
+        coefficient=coefficient,
         s=-touch.y / width,
         theta=touch.x / part.q,
         height=touch.height / width**2,
         gap=touch.gap,
+        divergent=(coefficient / limit.radius) ** part.order,
     )
