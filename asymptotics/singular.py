@@ -262,7 +262,7 @@ def next_terms(p: int, q: int) -> tuple[float, float]:
     ε ∼ μ^{2/q}, it is of second order there.
 
     >>> b, c = next_terms(1, 1)
-    >>> b * math.pi, c
+    >>> round(b * math.pi, 12), c
     (1.0, 0.0)
     """
     expansion = laurent_expansion(p, q, q if q <= 2 else q + 2, terms=2)

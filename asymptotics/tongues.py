@@ -90,7 +90,7 @@ class LimitLaw:
         γ as text, μ_eff = μ − γε²; "0" for q ≤ 2, where the shift vanishes against μ or, at q = 1,
         is part of the pendulum.
     next_terms
-        b and c of :func:`asymptotics.singular.next_terms`; None for q > 12, where they take long.
+        b and c of :func:`asymptotics.singular.next_terms`; None for q > 4.
     """
 
     p: int
@@ -112,7 +112,8 @@ class LimitLaw:
         The 4 is for what the terms of higher order in Λ add on the way to the separatrix: their
         share of the next term grows with the order like that of a shifted singularity, twice the
         first one's at q = 1, and the circle breaks before the separatrix. Held against the last
-        invariant circle at seven resonances, on both sides.
+        invariant circle at eight resonances, on both sides, q ≤ 4. At q ≥ 5 it is None: there
+        ε ∼ μ^{2/q} is no longer small and tongues of other resonances break the circle first.
 
         >>> round(limit_law(1, 1).error(0.1), 4)
         0.1273
@@ -126,7 +127,7 @@ class LimitLaw:
     def range(self) -> float | None:
         """|μ_eff| up to which :meth:`error` is at most 10 %; None where it is not known.
 
-        >>> round(limit_law(1, 2).range, 4), limit_law(1, 13).range
+        >>> round(limit_law(1, 2).range, 4), limit_law(1, 5).range
         (0.0262, None)
         """
         if self.next_terms is None:
@@ -187,7 +188,8 @@ class Tongue:
 TOLERANCE = 0.1
 """The estimated relative error up to which a law is given."""
 
-_MOST_TERMS = 12  # q up to which the next terms of the limit law take less than a second
+MOST_ESTIMATED = 4
+"""q up to which :meth:`LimitLaw.error` was seen to hold; at 2/5 the circle is lost before."""
 
 
 def half_way(p: int, q: int) -> float:
@@ -259,7 +261,7 @@ def limit_law(p: int, q: int) -> LimitLaw:
         strength=field.text(strength),
         shift=field.text(shift),
         shift_value=float(field.value(shift)),
-        next_terms=next_terms(p, q) if q <= _MOST_TERMS else None,
+        next_terms=next_terms(p, q) if q <= MOST_ESTIMATED else None,
     )
 
 

@@ -39,7 +39,7 @@ def resonances(
         number_of("--beta", beta), driven_end, order_of(count, "--count"), order_of(order)
     )
     if plot is not None:
-        report.plot_spectrum(plot, table.beta)
+        report.plot_spectrum(plot, table)
     show(report.as_json(table), report.as_text(table), as_json)
     write_extras(latex, report.latex_table(table), plot)
 

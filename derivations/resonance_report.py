@@ -16,15 +16,18 @@ from asymptotics.resonances import (
     weak_bending,
 )
 from asymptotics.rope import STANDARD_GRAVITY, Rope
-from asymptotics.static_shape import DRIVEN_ENDS, DrivenEnd, single_stiffness
-from derivations.figure2_centres import FIGURE2_BETA, figure2_centres
+from asymptotics.static_shape import DrivenEnd
+from derivations.figure2_centres import figure2_centres
 
 # The paper's experiment; only Z₀ matters for Ω ↔ hertz.
 PAPER_HEIGHT = 0.81
 
 # Okabe and Ito's colours, with a line style each for print without colour.
-_LOOK = {1: "#0072B2", 2: "#D55E00", 3: "#009E73"}
-_DASH = {"pinned": "-", "clamped": (0, (4, 1.8))}
+_LOOK: dict[int, tuple[str, Any]] = {
+    1: ("#0072B2", "-"),
+    2: ("#D55E00", (0, (5, 1.5))),
+    3: ("#009E73", (0, (2, 1.2))),
+}
 
 
 @dataclass(frozen=True)
@@ -228,82 +231,99 @@ def latex_table(table: ResonanceTable) -> str:
 # -- the spectrum against β ----------------------------------------------------------------------
 
 
-def plot_spectrum(path: Path, beta: float | None = None) -> dict[str, Any]:
-    """Draw Ω_n(β)/nπ and Ω_n/nπ − 1 for 10⁻⁶ ≤ β ≤ 10⁴, both driven ends, n = 1, 2, 3.
+def plot_spectrum(path: Path, table: ResonanceTable) -> dict[str, Any]:
+    """Draw the rope's Ω_p(β)/q, q ≤ N, for 10⁻⁶ ≤ β ≤ 10⁴, and how bending shifts Ω₁ … Ω₃.
 
     Parameters
     ----------
     path
         .png, .pdf or .svg.
-    beta
-        Another β to mark beside the paper's 0.01; outside the axes it is not drawn.
+    table
+        Whose driven end, count, order and β are drawn; β as a line where it is within the axes. Of
+        nonlinear resonances only those with q ≤ 6, more lines cannot be told apart.
 
     Returns
     -------
     dict
-        What was drawn: ``beta``, shape (401,), and for each driven end Ω_n/nπ, shape (401, 3).
+        What was drawn: ``beta``, shape (401,), and for each (p, q) Ω_p/q, shape (401,).
 
     Raises
     ------
     InputError
-        A bad suffix or β.
+        A bad suffix.
     StorageError
         The file cannot be written.
     """
     from derivations.plots import check_plot_path, save_figure
 
     check_plot_path(path)
-    marked = None if beta is None else single_stiffness(beta)
     values = np.geomspace(1e-6, 1e4, 401)
-    n = np.arange(1, 4)
-    drawn: dict[str, Any] = {"beta": values}
-    for end in DRIVEN_ENDS:
-        drawn[end] = linear_frequencies(values, 3, end) / (n * np.pi)
-    save_figure(_figure(drawn, marked), path)
+    count = len(table.linear)
+    pairs = {(n, 1) for n in range(1, count + 1)}
+    pairs |= {(r.p, r.q) for r in table.nonlinear if r.q <= _DRAWN}
+    spectrum = linear_frequencies(values, max(p for p, _ in pairs), table.driven_end)
+    drawn: dict[Any, Any] = {"beta": values}
+    drawn |= {(p, q): spectrum[:, p - 1] / q for p, q in sorted(pairs)}
+    save_figure(_figure(drawn, table), path)
     return drawn
 
 
-def _figure(drawn: dict[str, Any], marked: float | None) -> Any:
+_DRAWN = 6  # the largest q drawn
+
+
+def _figure(drawn: dict[Any, Any], table: ResonanceTable) -> Any:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
     from derivations.plots import figure_style
 
     with rc_context(figure_style()):
-        figure = Figure(figsize=(7.0, 3.1), layout="constrained")
+        figure = Figure(figsize=(7.0, 3.4), layout="constrained")
         left, right = figure.subplots(1, 2)
-        for end in DRIVEN_ENDS:
-            limits = linear_frequencies(math.inf, 3, end) / (np.pi * np.arange(1, 4))
-            for n, colour in _LOOK.items():
-                ratio, style = drawn[end][:, n - 1], {"color": colour, "ls": _DASH[end]}
-                left.plot(drawn["beta"], ratio, **style)
-                right.plot(drawn["beta"], ratio - 1, **style)
-                left.plot(
-                    [1e4, 2.2e4], [limits[n - 1]] * 2, color=colour, lw=3.0, solid_capstyle="butt"
-                )
-                _draw_weak_law(right, n, end)
-        left.set(
-            ylabel=r"$\Omega_n(\beta)/n\pi$",
-            ylim=(0.95, 3.35),
-            title=r"linear resonances; bars: $\beta\to\infty$",
-        )
-        keys = [Line2D([], [], color=colour, label=f"$n={n}$") for n, colour in _LOOK.items()]
-        keys += [Line2D([], [], color="black", ls=_DASH[end], label=end) for end in DRIVEN_ENDS]
-        left.legend(handles=keys, framealpha=1, edgecolor="none", fontsize=8, loc="upper left")
+        _draw_resonances(left, drawn, table)
+        limits = linear_frequencies(math.inf, 3, table.driven_end) / (np.pi * np.arange(1, 4))
+        shifts = linear_frequencies(drawn["beta"], 3, table.driven_end)
+        for n, (colour, style) in _LOOK.items():
+            shift = shifts[:, n - 1] / (n * np.pi) - 1
+            right.plot(drawn["beta"], shift, color=colour, ls=style, label=f"$n={n}$")
+            right.plot([1e4, 2.2e4], [limits[n - 1] - 1] * 2, color=colour, lw=3.0)
+            _draw_weak_law(right, n, table.driven_end)
+        right.legend(frameon=False, fontsize=8, loc="upper left")
         right.set(
             yscale="log",
             ylim=(1e-6, 10),
             ylabel=r"$\Omega_n(\beta)/n\pi-1$",
-            title=r"their shift; dotted: $O(\beta)$ law",
+            title=r"shift by bending; dotted: $O(\beta)$ law, bars: $\beta\to\infty$",
         )
         for axes in (left, right):
             axes.set(xscale="log", xlabel=r"bending stiffness $\beta=B/Tx_0^2$", xlim=(1e-6, 2.2e4))
             axes.title.set_fontsize(9)
-            _mark(axes, FIGURE2_BETA, "paper's Fig. 2" if axes is right else "")
-            if marked and 1e-6 <= marked <= 1e4 and marked != FIGURE2_BETA:
-                _mark(axes, marked, rf"$\beta={marked:g}$" if axes is right else "")
+            if 1e-6 <= table.beta <= 1e4:
+                label = rf"$\beta={table.beta:g}$"
+                _mark(axes, table.beta, label if axes is right else "")
     return figure
+
+
+def _draw_resonances(axes: Any, drawn: dict[Any, Any], table: ResonanceTable) -> None:
+    """Ω_p(β)/q: linear ones thick, the others by q."""
+    from matplotlib import colormaps
+
+    denominators = sorted({pair[1] for pair in drawn if pair != "beta"})
+    shades = colormaps["cividis"](np.linspace(0.25, 0.9, max(denominators)))
+    for pair, omega in drawn.items():
+        if pair == "beta":
+            continue
+        q = pair[1]
+        style = {"color": "black", "lw": 1.8} if q == 1 else {"color": shades[q - 1], "lw": 0.9}
+        first = pair == min(other for other in drawn if other != "beta" and other[1] == q)
+        axes.plot(drawn["beta"], omega, **style, label=f"$q={q}$" if first else None)
+    dropped = f", of {table.order}" if table.order > _DRAWN else ""
+    axes.set(
+        yscale="log",
+        ylabel=r"resonances $\Omega_p(\beta)/q$",
+        title=rf"{table.driven_end} end, $q\leq{max(denominators)}$" + dropped,
+    )
+    axes.legend(framealpha=1, edgecolor="none", fontsize=8, loc="upper left")
 
 
 def _draw_weak_law(axes: Any, n: int, end: str) -> None:

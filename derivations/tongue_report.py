@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from asymptotics.errors import InputError
-from asymptotics.tongues import TOLERANCE, LimitLaw, Tongue, half_way, tongue
+from asymptotics.tongues import MOST_ESTIMATED, TOLERANCE, LimitLaw, Tongue, half_way, tongue
 
 # Okabe and Ito's colours: told apart with any colour vision.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -117,7 +117,7 @@ def _reason(result: Tongue) -> str:
 def _limit_reason(limit: LimitLaw) -> str:
     variable = "mu" if limit.shift == "0" else "mu_eff"
     if limit.range is None:
-        return f"as {variable} -> 0; how far is not estimated for q > 12"
+        return f"as {variable} -> 0; how far is not estimated for q > {MOST_ESTIMATED}"
     return (
         f"|{variable}| < {limit.range:.3g}, beyond which the terms next to it are estimated to "
         f"change epsilon by more than {100 * TOLERANCE:.0f} %"
@@ -149,7 +149,7 @@ def latex_table(results: Sequence[Tongue]) -> str:
         mark = r"\,^{*}" if part.variable == "mu_eff" else ""
         before = (f"{part.p}/{part.q}", f"{part.order}")
         after = (str(limit.exponent), _digits(limit.coefficient))
-        sides: dict[tuple[str, ...], str] = {}
+        sides: dict[tuple[str, str], str] = {}
         for sign in _SIDES:
             side = result.sides[sign]
             numbers = (_digits(side.coefficient), _digits(-side.s * centre))

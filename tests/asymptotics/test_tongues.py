@@ -22,6 +22,7 @@ from asymptotics.resonance_field import constant
 from asymptotics.singular import (
     amplitudes,
     centre_shift,
+    expanded_part,
     laurent_expansion,
     pole_orders,
     singular_part,
@@ -226,7 +227,7 @@ def test_the_engine_follows_the_pendulum_to_all_orders(p: int, q: int, last: int
     first = singular_part(p, q, q)
     field, a1 = first.field, first.harmonics[q]
     for n in range(1, last + 1):
-        part = singular_part(p, q, q * n)
+        part = expanded_part(p, q, q * n)
         assert part.variable == "mu"
         assert sorted(part.harmonics) == [k * q for k in range(n % 2 or 2, n + 1, 2)]
         for j, a in part.harmonics.items():
@@ -250,7 +251,7 @@ def test_the_shift_makes_the_next_pole(p: int, q: int) -> None:
 
 def test_q_4_has_the_shift_in_its_leading_part_and_5_is_led_by_it() -> None:
     """(ε²/μ)² next to ε⁴/μ² at q = 4; beyond, worse poles at orders that are no multiple of q."""
-    part = singular_part(1, 4, 8)
+    part = expanded_part(1, 4, 8)
     field, first = part.field, singular_part(1, 4, 4).harmonics[4]
     shift = centre_shift(1, 4)
     assert sorted(part.harmonics) == [4, 8]
@@ -276,6 +277,82 @@ def test_pole_orders_do_not_overlook_a_pole() -> None:
     for n in (1, 2, 3, 4):
         lowest = min(a.leading()[0] for a in amplitudes(expansion, n).values())
         assert pole_orders(1, 2, 8)[2 * n - 1] == -lowest == 2 * n - 1
+
+
+@pytest.mark.parametrize(
+    ("p", "q", "order"),
+    [
+        (1, 1, 9),
+        (2, 1, 6),
+        (3, 2, 8),
+        (2, 3, 9),
+        (1, 4, 4),
+        (1, 4, 12),
+        (3, 4, 8),
+        (2, 5, 5),
+        (5, 7, 7),
+    ],
+)
+def test_the_short_way_is_the_whole_expansion(p: int, q: int, order: int) -> None:
+    """One-sided harmonics and the pendulum's coefficients against everything the engine has."""
+    short, whole = singular_part(p, q, order), expanded_part(p, q, order)
+    assert short.harmonics == whole.harmonics
+    assert short.harmonics
+    assert (short.pole, short.variable) == (whole.pole, whole.variable)
+
+
+def test_the_radius_of_the_series_in_mu_at_q_4() -> None:
+    """Root test: |a_n|^{1/n} → R^{−4}, where γε² ∼ μ adds to what the pendulum alone would give."""
+    for p in (1, 3):
+        law = limit_law(p, 4)
+        sizes = {
+            n: max(abs(a) for a in singular_part(p, 4, 4 * n).values().values()) for n in (16, 32)
+        }
+        # From n to 2n a power of n drops out of the root: Richardson's step.
+        found = (sizes[32] / sizes[16]) ** (1 / 16)
+        assert found == pytest.approx(law.radius**-4, rel=0.1)
+        assert abs(found / law.coefficient**-4 - 1) > 0.5
+
+
+def test_strengths_without_digits_to_spare() -> None:
+    """Coefficients that cancel to a part in 10³⁰ and less keep their sign and their digits."""
+    for p, q in ((7, 50), (1, 40)):
+        law = limit_law(p, q)
+        assert law.coefficient > 0
+        field = singular_part(p, q, q).field
+        rough, fine = (field.value(singular_part(p, q, q).harmonics[q], bits) for bits in (64, 400))
+        assert rough.rel_accuracy_bits() >= 64
+        assert rough.overlaps(fine)
+
+
+def test_ranges() -> None:
+    """Where the touch is beyond convergence, and how far the limit law holds."""
+    for p, crossing in ((1, 15.1), (2, 15.1)):
+        found = tongue(p, 1, 3)
+        assert [found.window(sign) for sign in "+-"] == [None, None]
+        assert found.sides["+"].divergent == pytest.approx(crossing, abs=0.05)
+    assert tongue(1, 2, 4).sides["-"].divergent == pytest.approx(4.13, abs=0.005)
+    assert tongue(1, 2, 4).window("-") is None
+    # ξ_1 = ½Ω cot-like pole: Ω/(2 sin Ω) ≈ −(π/2 + μ/2)/μ, so b = 1/π.
+    law = limit_law(1, 1)
+    assert law.next_terms == pytest.approx((1 / math.pi, 0.0), rel=4 * EPS)
+    assert law.range == pytest.approx(0.1 * math.pi / 4, rel=1e-9)
+    assert law.error(law.range) == pytest.approx(0.1, rel=1e-9)
+    assert limit_law(1, 5).range is None
+    assert limit_law(1, 5).error(0.01) is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [((1, 61, 61), "give q ≤ 60"), ((1, 1, 81), "give an order ≤ 80"), ((1, 5, 10), None)],
+)
+def test_limits_say_why(arguments: tuple[int, int, int], message: str | None) -> None:
+    if message is None:
+        with pytest.raises(InputError, match="use singular_part"):
+            expanded_part(*arguments)
+        return
+    with pytest.raises(InputError, match=message):
+        singular_part(*arguments)
 
 
 def test_limit_laws() -> None:

@@ -7,7 +7,6 @@ import math
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from asymptotics.beam_spectrum import linear_frequencies
@@ -90,21 +89,36 @@ def test_no_single_stiffness_has_centres_in_the_ratio_two() -> None:
 
 
 def test_figure(tmp_path: Path) -> None:
-    drawn = plot_spectrum(tmp_path / "spectrum.svg", beta=1e-3)
-    plot_spectrum(tmp_path / "again.svg", beta=1e-3)
+    table = resonance_table(0.001, "clamped", count=3, order=2)
+    drawn = plot_spectrum(tmp_path / "spectrum.svg", table)
+    plot_spectrum(tmp_path / "again.svg", table)
     content = (tmp_path / "spectrum.svg").read_bytes()
     assert content == (tmp_path / "again.svg").read_bytes()
     assert len(content) > 10_000
-    assert drawn["pinned"].shape == (401, 3)
-    at = int(np.argmin(np.abs(np.log(drawn["beta"] / 0.01))))
-    expected = linear_frequencies(drawn["beta"][at], 3) / (np.pi * np.arange(1, 4))
-    assert drawn["pinned"][at] == pytest.approx(expected, rel=1e-15)
-    for end in ("pinned", "clamped"):
-        assert np.all(np.diff(drawn[end], axis=0) > 0)
-    # print without colour: both ends have their own line style
+    expected = linear_frequencies(drawn["beta"], 3, "clamped")
+    assert drawn[3, 1] == pytest.approx(expected[:, 2], rel=1e-15)
+    assert drawn[1, 2] == pytest.approx(expected[:, 0] / 2, rel=1e-15)
+    assert set(drawn) - {"beta"} == {(1, 1), (2, 1), (3, 1)} | {(r.p, r.q) for r in table.nonlinear}
+    # print without colour: each n has its own line style
     assert b"stroke-dasharray" in content
-    plot_spectrum(tmp_path / "spectrum.png")
+    plot_spectrum(tmp_path / "spectrum.png", table)
     assert (tmp_path / "spectrum.png").stat().st_size > 5_000
+
+
+def test_the_figure_is_of_the_rope_that_was_asked_for(tmp_path: Path) -> None:
+    tables = [
+        resonance_table(0.01),
+        resonance_table(0.01, "clamped"),
+        resonance_table(0.01, order=2),
+        resonance_table(0.01, count=3),
+        resonance_table(0.1),
+    ]
+    pictures = set()
+    for i, table in enumerate(tables):
+        path = tmp_path / f"{i}.svg"
+        plot_spectrum(path, table)
+        pictures.add(path.read_bytes())
+    assert len(pictures) == len(tables)
 
 
 @pytest.mark.parametrize(
@@ -116,8 +130,7 @@ def test_figure(tmp_path: Path) -> None:
         (lambda path: resonance_table(0.1, count=0), "count = 0"),
         (lambda path: resonance_table(0.1, order=0), "order = 0"),
         (lambda path: resonance_table(math.inf), "stiff_limit"),
-        (lambda path: plot_spectrum(path / "a.bmp"), "cannot draw 'a.bmp'"),
-        (lambda path: plot_spectrum(path / "a.png", beta=-1.0), "beta = -1.0"),
+        (lambda path: plot_spectrum(path / "a.bmp", resonance_table(0.0)), "cannot draw 'a.bmp'"),
         (lambda path: figure2_centres((math.nan,)), "beta = nan"),
         (lambda path: stiffness_of_centres("free"), "choose one of"),
     ],

@@ -68,13 +68,28 @@ def test_text_says_which_order_and_variable() -> None:
     assert "set by" not in as_text(tongue(1, 1, 3))
 
 
+def test_every_law_comes_with_its_range() -> None:
+    fields, text = as_json(tongue(1, 1, 3)), as_text(tongue(1, 1, 3))
+    assert fields["range"] == {"+": None, "-": None}
+    assert "series in epsilon diverges" in fields["range_reason"]
+    assert fields["limit_range"] == pytest.approx(math.pi / 40, rel=1e-9)
+    for key in ("range_reason", "limit_range_reason"):
+        assert fields[key] in text
+    assert "none for the rope" in text
+    assert "|mu| < 0.0785" in text
+    assert as_json(tongue(1, 5, 5))["limit_range"] is None
+    assert "not estimated for q > 4" in as_text(tongue(1, 5, 5))
+
+
 def test_table() -> None:
-    lines = latex_table([tongue(1, 1, 3), tongue(1, 2, 4), tongue(1, 5, 10)]).splitlines()
+    results = [tongue(1, 1, 3), tongue(1, 2, 4), tongue(1, 5, 10), tongue(1, 1, 4)]
+    lines = latex_table(results).splitlines()
     rows = [line for line in lines if line.startswith("$") and not line.startswith("$p")]
-    assert lines[0].endswith("{ccccccccc}")
-    assert [row.count("&") for row in rows] == [8, 8, 8]
-    assert rows[1].startswith(r"$1/2$ & $4$ & $3/4$ & $1.8149$")
+    assert lines[1].endswith("{@{}cccccccc@{}}")
+    assert [row.count("&") for row in rows] == [7] * 5
+    assert rows[1].startswith(r"$1/2$ & $4$ & $\pm$ & $3/4$ & $1.8149$")
     assert r"3/10\,^{*}" in rows[2]
+    assert [row.split(" & ")[2] for row in rows[3:]] == ["$+$", "$-$"]
     assert lines[-1].startswith("%")
     with pytest.raises(InputError, match="at least one"):
         latex_table([])

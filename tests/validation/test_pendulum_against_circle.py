@@ -110,3 +110,24 @@ def test_the_limit_law_is_where_the_circle_is_lost(p: int, q: int, slope: int, m
     assert invariant_circle(omega, epsilon * (1 - margin)).graph_margin > 0
     with pytest.raises(CircleNotFoundError):
         invariant_circle(omega, epsilon * (1 + margin), max_nodes=512)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(
+    ("p", "q"), [(1, 1), (2, 1), (1, 2), (3, 2), (1, 3), (2, 3), (1, 4), (3, 4)]
+)
+def test_the_range_of_the_limit_law(p: int, q: int, side: int) -> None:
+    """At the edge of the stated range the circle is lost within the stated error of the law."""
+    law = limit_law(p, q)
+    distance = law.range
+    assert distance is not None
+    error, epsilon = law.error(distance), law.epsilon(distance)
+    assert error == pytest.approx(0.1, rel=1e-9)
+
+    def omega(amplitude: float) -> float:
+        return p * math.pi / q + side * distance + law.shift_value * amplitude**2
+
+    below, above = epsilon * (1 - error), epsilon * (1 + error)
+    assert invariant_circle(omega(below), below).graph_margin > 0
+    with pytest.raises(CircleNotFoundError):
+        invariant_circle(omega(above), above, max_nodes=512)
