@@ -106,8 +106,9 @@ def simulate(
         if checkpoint is not None:
             print(f"interrupted; the same command goes on from {checkpoint}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    _write(watched, out, plot, animate, as_json)
+    # First what was found: a full disk does not take it away.
     show(report.as_json(watched), report.as_text(watched), as_json)
+    _write(watched, out, plot, animate, as_json)
     for path in (out, plot, animate):
         if path is not None:
             print(f"wrote {path}", file=sys.stderr)

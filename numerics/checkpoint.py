@@ -234,7 +234,7 @@ def _read(path: Path) -> _Content:
         if not isinstance(content["specification"], dict):
             raise ValueError("its specification is no object")
     except Exception as error:  # of zipfile and NumPy, in bytes that are not theirs: any
-        raise not_written_here(path, KIND, str(error) or type(error).__name__) from error
+        raise not_written_here(path, KIND, error) from error
     return content
 
 

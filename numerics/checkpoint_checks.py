@@ -100,7 +100,7 @@ def impossible(fresh: Simulator, content: Content) -> str:
     with np.errstate(over="ignore", invalid="ignore"):
         energy, scale = _energy(fresh, height, velocity, int(content["step"]))
     rounding = _ROUNDINGS * _EPS
-    if not abs(energy - ledger[0]) <= rounding * scale:
+    if not (math.isfinite(scale) and abs(energy - ledger[0]) <= rounding * scale):
         return f"the energy of its state is {energy:.10g}, that of its ledger {ledger[0]:.10g}"
     rest = fresh.ledger[0]
     left = ledger[0] - rest - ledger[1] + ledger[2] + ledger[3]

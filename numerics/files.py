@@ -138,11 +138,14 @@ def read_sealed(path: Path, kind: str) -> bytes:
     return content
 
 
-def not_written_here(path: Path, kind: str, what: str) -> FileError:
-    """The error of a file whose seal is right and whose content is not."""
+def not_written_here(path: Path, kind: str, what: str | Exception) -> FileError:
+    """The error of a file whose seal is right and whose content is not, in one line."""
+    if isinstance(what, MemoryError):
+        return FileError(f"cannot read {path}: {_reason(what)}")
+    line = " ".join(str(what or type(what).__name__).split())
     return FileError(
-        f"{path} is sealed and yet no {kind} that ropewave has written: {what}. It is left as it "
-        "is; move it away and run again"
+        f"{path} is sealed and yet no {kind} that ropewave has written: {line:.300}. It is left "
+        "as it is; move it away and run again"
     )
 
 

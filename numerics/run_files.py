@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import warnings
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -218,18 +219,19 @@ def load(path: Path | str) -> Dataset:
     path = Path(path)
     content = read_sealed(path, KIND)
     try:
-        with xarray.open_dataset(io.BytesIO(content), engine="h5netcdf") as lazy:
-            what = _foreign(lazy)
+        with (
+            warnings.catch_warnings(action="ignore"),
+            xarray.open_dataset(io.BytesIO(content), engine="h5netcdf") as lazy,
+        ):
+            what: str | Exception = _foreign(lazy)
             if not what and lazy.nbytes > _DEFLATE * len(content):
                 what = f"it would unpack to {lazy.nbytes} bytes"
-            data: Dataset | None = None if what else lazy.load()
+            what = what or _impossible(lazy.load())
     except Exception as error:  # of HDF5 and xarray, in bytes that are not theirs: any
-        raise not_written_here(path, KIND, str(error) or type(error).__name__) from error
-    if data is None:
-        raise not_written_here(path, KIND, what)
-    what = _impossible(data)
+        what = error
     if what:
         raise not_written_here(path, KIND, what)
+    data: Dataset = lazy
     return data
 
 
