@@ -103,11 +103,12 @@ class _Announcer(logging.Handler):
 
 def announce_compiling(quiet: bool) -> None:
     """Have it said when compiling begins; ``quiet`` keeps it to terminals."""
-    if quiet and not sys.stderr.isatty():
-        return
     logger = logging.getLogger("ropewave.numerics")
-    logger.setLevel(logging.INFO)
-    logger.addHandler(_Announcer())
+    for handler in [known for known in logger.handlers if isinstance(known, _Announcer)]:
+        logger.removeHandler(handler)
+    if sys.stderr.isatty() or not quiet:
+        logger.setLevel(logging.INFO)
+        logger.addHandler(_Announcer())
 
 
 def _columns(fine: bool) -> list:
