@@ -37,6 +37,10 @@ class StorageError(RopewaveError):
     """A saved derivation that cannot be read, trusted or written."""
 
 
+class UnwritableError(StorageError):
+    """A place where nothing can be written: protected, full, or no folder."""
+
+
 class DamagedFileError(StorageError):
     """A saved derivation whose content does not match its own checksum."""
 

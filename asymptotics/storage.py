@@ -16,16 +16,20 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
-import os
-import tempfile
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from asymptotics.atomic import replace_file, sweep_unfinished
 from asymptotics.cotangent import CotangentElement, CotangentRing
-from asymptotics.errors import DamagedFileError, ForeignFileError, InputError, StorageError
+from asymptotics.errors import (
+    DamagedFileError,
+    ForeignFileError,
+    InputError,
+    StorageError,
+    UnwritableError,
+)
 from asymptotics.expansion import Expansion, Order, Progress, check_order, expansions
 from asymptotics.harmonics import Harmonics
 from asymptotics.problem import Problem
@@ -96,9 +100,9 @@ class Store:
         data = gzip.compress(json.dumps(content, separators=(",", ":")).encode(), 6, mtime=0)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            replace_file(self.path(n), lambda path: _write_bytes(path, data))
+            replace_file(self.path(n), data)
         except OSError as error:
-            raise StorageError(
+            raise UnwritableError(
                 f"cannot write in {self.folder}: {error.strerror or error}. Choose another folder "
                 "(for the command's cache: set ROPEWAVE_CACHE to one you may write)"
             ) from error
@@ -139,7 +143,7 @@ def derive(
 
     Raises
     ------
-    DamagedFileError, ForeignFileError, StorageError
+    DamagedFileError, ForeignFileError, UnwritableError
         What is saved cannot be trusted, or nothing can be written.
 
     Examples
@@ -154,6 +158,7 @@ def derive(
     """
     order = check_order(order)
     store = Store(folder, problem)
+    sweep_unfinished(folder)
     expansion, seal = store.load(order)
     if progress is not None and expansion.order:
         progress(expansion.order)
@@ -163,25 +168,6 @@ def derive(
         if progress is not None:
             progress(expansion.order)
     return expansion
-
-
-def replace_file(path: Path, write: Callable[[Path], None]) -> None:
-    """Let ``write`` fill a new file beside ``path``, then put it in place in one step."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        write(temporary)
-        with temporary.open("rb+") as stream:
-            os.fsync(stream.fileno())
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _write_bytes(path: Path, data: bytes) -> None:
-    path.write_bytes(data)
 
 
 def _seal(content: dict[str, Any]) -> str:

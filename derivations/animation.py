@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asymptotics.errors import InputError, StorageError
-from asymptotics.storage import replace_file
+from asymptotics.errors import InputError
+from derivations.files import check_writable, write_file
 from derivations.plots import figure_style
 from derivations.simulation_plots import caption, check_drawable, magnified_top, visible_end
 
@@ -30,9 +31,10 @@ _SHADES = 20
 
 
 def check_animation_path(path: Path) -> Path:
-    """A path that ends in .gif."""
+    """A path that ends in .gif, where a file can be written."""
     if path.suffix.lower() != ".gif":
         raise InputError(f"cannot animate {path.name!r}: give a file name that ends in .gif")
+    check_writable(path)
     return path
 
 
@@ -56,24 +58,17 @@ def animate_run(
     check_animation_path(path)
     check_drawable(run)
     images = _images(run, epsilon, report)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        replace_file(
-            path,
-            lambda part: images[0].save(
-                part,
-                format="GIF",
-                save_all=True,
-                append_images=images[1:],
-                duration=1000 // FRAMES_A_SECOND,
-                loop=0,
-                optimize=False,
-            ),
-        )
-    except OSError as error:
-        raise StorageError(
-            f"cannot write {path}: {error.strerror or error}. Choose another file"
-        ) from error
+    drawn = io.BytesIO()
+    images[0].save(
+        drawn,
+        format="GIF",
+        save_all=True,
+        append_images=images[1:],
+        duration=1000 // FRAMES_A_SECOND,
+        loop=0,
+        optimize=False,
+    )
+    write_file(path, drawn.getvalue())
 
 
 def animation_frames(run: Run) -> NDArray[np.intp]:

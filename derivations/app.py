@@ -45,14 +45,37 @@ GOLDEN = 1.941611038725466
 SCREEN = 20_000
 
 
-def cache_folder() -> Path:
-    """Where derivations are kept: ROPEWAVE_CACHE, or the user's cache folder."""
+def cache_folder(name: str) -> Path | None:
+    """Where results of that name are kept: in ROPEWAVE_CACHE, or in the user's cache folder.
+
+    None, with a warning, if the latter cannot be written; the former was asked for.
+    """
+    from asymptotics.errors import UnwritableError
+    from derivations.files import check_folder
+
     named = os.environ.get("ROPEWAVE_CACHE")
     if named:
-        return Path(named)
+        return Path(named) / name
     import platformdirs
 
-    return platformdirs.user_cache_path("ropewave")
+    folder = platformdirs.user_cache_path("ropewave") / name
+    try:
+        check_folder(folder)
+    except UnwritableError as error:
+        without_cache(error)
+        return None
+    return folder
+
+
+def without_cache(error: Exception) -> None:
+    """Warn that nothing is kept; raise the error where ROPEWAVE_CACHE asked for it."""
+    if os.environ.get("ROPEWAVE_CACHE"):
+        raise error
+    print(
+        f"ropewave: warning: {error}: set ROPEWAVE_CACHE to a folder you may write to. "
+        "Going on, and keeping nothing",
+        file=sys.stderr,
+    )
 
 
 @app.command()
@@ -75,6 +98,7 @@ def derive(
     as_json: JsonOption = False,
 ) -> None:
     """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
+    from derivations.files import check_folder
     from derivations.formats import FORMATS, render, write_files
     from derivations.formats import as_json as json_object
     from derivations.progress import progress
@@ -82,6 +106,8 @@ def derive(
     formats = _formats(format, out, FORMATS)
     N = order_of(order)
     written: list[Path] = []
+    if out is not None:
+        check_folder(out)
     if plot is not None:  # first: it is quick, and knows whether Ω and ε make sense
         from derivations.plots import plot_period
 
@@ -122,7 +148,7 @@ def _formats(format: str | None, out: Path | None, known: tuple[str, ...]) -> tu
 def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -> tuple[Any, Any]:
     """Closed forms and their proofs; arguments are checked before any long work."""
     from asymptotics.closed_form import ClosedForms, check_style
-    from asymptotics.errors import InputError
+    from asymptotics.errors import InputError, UnwritableError
     from asymptotics.expansion import expand
     from asymptotics.problem import exact_string
     from asymptotics.profile import moving_frame
@@ -134,11 +160,16 @@ def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -
     if column not in ("one", "two"):
         raise InputError(f"--column {column!r}: choose one or two")
     problem = exact_string()
+    folder = cache_folder(problem.name) if cache else None
     with progress("deriving", order, quiet) as report:
-        if cache:
-            expansion = derive_saved(problem, order, cache_folder() / problem.name, report)
-        else:
+        if folder is None:
             expansion = expand(problem, order, progress=report)
+        else:
+            try:
+                expansion = derive_saved(problem, order, folder, report)
+            except UnwritableError as error:
+                without_cache(error)
+                expansion = expand(problem, order, progress=report)
     with progress("proving", order, quiet) as report:
         frame = moving_frame(expansion, report)
         proofs = prove(expansion, frame)
@@ -160,6 +191,10 @@ def evaluate(
     """Evaluate ξ_c and w/Z₀: the series in ε truncated at order N."""
     from asymptotics.evaluate import evaluate as compute
 
+    if plot is not None:
+        from derivations.plots import check_plot_path
+
+        check_plot_path(plot)
     point = (number_of("--omega", omega), number_of("--epsilon", epsilon), order_of(order))
     result = compute(*point, numbers_of("--s", s), numbers_of("--tau", tau))
     if plot is not None:

@@ -13,15 +13,16 @@ from __future__ import annotations
 
 import json
 import math
+import reprlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from asymptotics.beam_spectrum import linear_frequencies
-from asymptotics.errors import InputError, StorageError
-from asymptotics.storage import replace_file
-from numerics.errors import CircleNotFoundError, ThresholdNotFoundError
+from derivations.figure2_points import Point, check_points
+from numerics.errors import CircleNotFoundError, FileError, ThresholdNotFoundError
+from numerics.files import read_json
 from numerics.sweep import sweep
 
 FORMAT = 2
@@ -55,7 +56,6 @@ MISSES = 4
 
 COARSE_OMEGAS = (1.4, 1.55, 1.7, 2.3, 2.8, 3.1, 3.4, 4.2, 5.5, 6.2, 6.8)
 
-Point = dict[str, Any]
 Task = dict[str, Any]
 
 
@@ -234,17 +234,39 @@ def compute(
     Raises
     ------
     InputError, FileError, ThresholdNotFoundError
-        As the sweep and the thresholds.
+        As the sweep and the thresholds; a point that was kept is none.
     """
     todo = tasks(coarse) if wanted is None else wanted
     points = sweep(point, todo, folder, specification(coarse), workers, progress)
+    check_points(points, str(folder))
     return [_rounded(item) for item in points]
 
 
 def collected(points: list[Point], coarse: bool) -> str:
     """The points as one JSON text, the same bytes for the same points."""
     content = {"specification": specification(coarse), "coarse": coarse, "points": points}
-    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def read_collected(path: Path) -> tuple[list[Point], bool]:
+    """The points of a collected file, and whether they are coarse.
+
+    Raises
+    ------
+    FileError
+        There is no such file, it holds something else, or what no computation has found.
+    """
+    remedy = "Compute it anew, with --collect"
+    content = read_json(path, remedy)
+    if not isinstance(content, dict) or {"points", "coarse", "specification"} - set(content):
+        raise FileError(f"{path} is not collected data of figure 2. {remedy}")
+    coarse = content["coarse"]
+    if not isinstance(coarse, bool) or content["specification"] != specification(coarse):
+        raise FileError(
+            f"{path} holds {reprlib.repr(content['specification'])}, coarse = "
+            f"{reprlib.repr(coarse)}, not {specification(coarse is True)!r}. {remedy}"
+        )
+    return check_points(content["points"], str(path)), coarse
 
 
 def _rounded(value: Any) -> Any:
@@ -256,41 +278,3 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, list):
         return [_rounded(item) for item in value]
     return value
-
-
-def write_collected(points: list[Point], coarse: bool, path: Path) -> None:
-    """Write :func:`collected`."""
-    text = collected(points, coarse)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        replace_file(path, lambda part: _write(part, text))
-    except OSError as error:
-        raise StorageError(f"cannot write {path}: {error.strerror or error}") from error
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
-
-
-def read_collected(path: Path) -> tuple[list[Point], bool]:
-    """The points of a collected file, and whether they are coarse.
-
-    Raises
-    ------
-    InputError
-        There is no such file, or it holds something else.
-    """
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        points, coarse = content["points"], content["coarse"]
-        known = content["specification"] == specification(coarse)
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
-    except (ValueError, KeyError, TypeError):
-        raise InputError(f"{path} is not collected data of figure 2; see --data") from None
-    if not known:
-        raise InputError(
-            f"{path} holds {content['specification']!r}, not {specification(coarse)!r}: compute it "
-            "anew, with --collect"
-        )
-    return points, coarse

@@ -12,7 +12,7 @@ import typer
 from derivations.options import JsonOption, order_of
 
 if TYPE_CHECKING:
-    from derivations.figure2 import Point
+    from derivations.figure2_points import Point
 
 
 def figure2(
@@ -40,19 +40,23 @@ def figure2(
     from derivations.figure2_fits import exponents
     from derivations.figure2_laws import all_laws
     from derivations.figure2_plot import plot_figure2
+    from derivations.files import check_writable, write_file
     from derivations.plots import check_plot_path
 
     count = order_of(workers, "--workers")
     check_plot_path(out)
     if tables is not None and tables.suffix != ".md":
         raise InputError(f"--tables {tables}: the file's name ends in .md")
+    for path in (collect, tables):
+        if path is not None:
+            check_writable(path)
     points, coarse = _points(coarse, data, count, as_json)
     written = [out]
     plot_figure2(points, out)
     if collect is not None:
-        from derivations.figure2 import write_collected
+        from derivations.figure2 import collected
 
-        write_collected(points, coarse, collect)
+        write_file(collect, collected(points, coarse).encode())
         written.append(collect)
     if tables is not None:
         written.append(_write_tables(points, coarse, tables))
@@ -68,17 +72,18 @@ def figure2(
 def _points(coarse: bool, data: Path | None, workers: int, quiet: bool) -> tuple[list[Point], bool]:
     """Read a collected file, or compute, in memory when coarse and without a folder."""
     from derivations.figure2 import compute, read_collected, tasks
-    from derivations.progress import progress
+    from derivations.progress import announce_compiling, progress
 
     if data is not None and data.suffix == ".json":
         return read_collected(data)
     from derivations.simulation_commands import need
 
     need("numba")
+    announce_compiling(quiet)
     if data is None and not coarse:
         from derivations.app import cache_folder
 
-        data = cache_folder() / "figure2"
+        data = cache_folder("figure2")
     folder = None if data is None else data / ("coarse" if coarse else "working")
     with progress("figure 2", len(tasks(coarse)), quiet, fine=True) as tell:
         return compute(coarse, folder, workers, lambda done, _: tell(done)), coarse

@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 
 from asymptotics.errors import InputError
-from derivations.figure2 import LIMIT_OMEGAS, Point, centres
+from derivations.figure2 import LIMIT_OMEGAS, centres
 from derivations.figure2_laws import Law
+from derivations.figure2_points import Point
 
 WINDOWS = {"near": (0.01, 0.1), "far": (0.07, 0.6)}
 """|μ| between which an exponent is fitted."""

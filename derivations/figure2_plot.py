@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from derivations.figure2 import Point, centres
+from derivations.figure2 import centres
 from derivations.figure2_fits import Curve, approach, base_middle, curves
 from derivations.figure2_laws import Family, Law, laws
+from derivations.figure2_points import Point
 from derivations.plots import check_plot_path, figure_style, save_figure
 
 # Okabe and Ito's colours: told apart without red and green, and in grey.

@@ -13,14 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from derivations.figure2 import BETAS, LIMIT_OMEGAS, Point, centres, specification
+from derivations.figure2 import BETAS, LIMIT_OMEGAS, centres, specification
 from derivations.figure2_fits import WINDOWS, Exponent, approach, base_middle, deviations, exponents
 from derivations.figure2_laws import Family, Law, laws
+from derivations.figure2_points import MECHANISMS, Point
 
 NAMES = {"1/2": "Ω₁/2", "1/1": "Ω₁", "2/1": "Ω₂"}
 """Resonance ↦ how it is written."""
-
-MECHANISMS = ("resonant growth", "new contact", "sonic contact", "undecided")
 
 RAMPED = "beta = 0"
 """The exact string's curve under the ramp."""

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from asymptotics.closed_form import ClosedForms
-from asymptotics.errors import InputError, StorageError
+from asymptotics.errors import InputError
 from asymptotics.proof import OrderProof
-from asymptotics.storage import replace_file
+from derivations.files import write_file
 
 FORMATS = ("text", "latex", "numpy", "json")
 
@@ -99,15 +99,8 @@ def as_json(forms: ClosedForms, proofs: Sequence[OrderProof]) -> dict[str, Any]:
 def write_files(files: dict[str, str], folder: Path) -> list[Path]:
     """Write each file whole or not at all; the folder is made when missing."""
     paths = []
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, content in files.items():
-            path = folder / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            replace_file(path, lambda part, text=content: part.write_bytes(text.encode()))  # type: ignore[misc]
-            paths.append(path)
-    except OSError as error:
-        raise StorageError(
-            f"cannot write in {folder}: {error.strerror or error}. Choose another folder"
-        ) from error
+    for name, content in files.items():
+        path = folder / name
+        write_file(path, content.encode())
+        paths.append(path)
     return paths

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import math
 from pathlib import Path
@@ -9,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from asymptotics.errors import InputError, StorageError
+from asymptotics.errors import InputError
 from asymptotics.evaluate import Evaluation, evaluate
-from asymptotics.storage import replace_file
+from derivations.files import check_writable, write_file
 
 SUFFIXES = {".png", ".pdf", ".svg"}
 # The state is even in time: the second half of a period retraces the first.
@@ -19,12 +20,13 @@ _PHASES = ("0", r"\frac{1}{8}", r"\frac{1}{4}", r"\frac{3}{8}", r"\frac{1}{2}")
 
 
 def check_plot_path(path: Path) -> Path:
-    """A path whose suffix is one we draw, in a folder that exists or can be made."""
+    """A path whose suffix is one we draw, where a file can be written."""
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(
             f"cannot draw {path.name!r}: give a file name that ends in "
             f"{', '.join(sorted(SUFFIXES))}"
         )
+    check_writable(path)
     return path
 
 
@@ -40,17 +42,10 @@ def save_figure(figure: Any, path: Path) -> None:
 
     # Embedding fonts, fontTools warns of the time stamps inside them.
     logging.getLogger("fontTools").setLevel(logging.ERROR)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with rc_context(figure_style()):
-            replace_file(
-                path,
-                lambda part: figure.savefig(part, format=suffix[1:], dpi=200, metadata=metadata),
-            )
-    except OSError as error:
-        raise StorageError(
-            f"cannot write {path}: {error.strerror or error}. Choose another file"
-        ) from error
+    drawn = io.BytesIO()
+    with rc_context(figure_style()):
+        figure.savefig(drawn, format=suffix[1:], dpi=200, metadata=metadata)
+    write_file(path, drawn.getvalue())
 
 
 def plot_period(omega: float, epsilon: float, order: int, path: Path) -> Evaluation:

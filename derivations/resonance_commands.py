@@ -35,6 +35,7 @@ def resonances(
     """Linear resonances Ω_n(β), and the nonlinear Ω_p(β)/q with q ≤ N between them."""
     from derivations import resonance_report as report
 
+    check_extras(latex, plot)
     table = report.resonance_table(
         number_of("--beta", beta), driven_end, order_of(count, "--count"), order_of(order)
     )
@@ -56,6 +57,7 @@ def tongue(
     from asymptotics.tongues import tongue as compute
     from derivations import tongue_report as report
 
+    check_extras(latex, plot)
     p, q = parse_fraction(ratio)
     result = compute(p, q, order_of(order))
     if plot is not None:
@@ -77,6 +79,7 @@ def fold(
     from asymptotics.tongues import parse_fraction
     from derivations import fold_report as report
 
+    check_extras(latex, plot)
     p, q = parse_fraction(ratio)
     result = compute(p, q, number_of("--beta", beta), driven_end)
     if plot is not None:
@@ -88,6 +91,17 @@ def fold(
 def show(fields: dict[str, Any], text: str, as_json: bool) -> None:
     """One JSON object, or text."""
     print(json.dumps(fields) if as_json else text.rstrip("\n"))
+
+
+def check_extras(latex: Path | None, plot: Path | None) -> None:
+    """That both files can be written, before the work."""
+    from derivations.files import check_writable
+    from derivations.plots import check_plot_path
+
+    if plot is not None:
+        check_plot_path(plot)
+    if latex is not None:
+        check_writable(latex)
 
 
 def write_extras(latex: Path | None, table: str, plot: Path | None) -> None:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import importlib
 import os
 import sys
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -64,7 +62,7 @@ def simulate(
     """Simulate a rope that is shaken: does it follow, or does it shed waves?"""
     need("numba")
     from derivations import simulation_report as report
-    from derivations.progress import progress
+    from derivations.progress import announce_compiling, progress
     from derivations.simulation_run import default_dx, drive_of, watch
     from numerics.contact import Simulator
     from numerics.problem import DrivenEnd, RopeProblem
@@ -87,10 +85,11 @@ def simulate(
     )
     step = None if dt is None else number_of("--dt", dt)
     total = rise + 10 if periods is None else number_of("--periods", periods)
+    announce_compiling(as_json)
     simulator = Simulator(problem, grid, step, scheme)
     _check_files(simulator, total * drive.period, out, plot, animate, checkpoint)
     try:
-        with progress("simulating", 1000, as_json, fine=True) as tell:
+        with progress("simulating", 1.0, as_json, fine=True) as tell:
             watched = watch(
                 problem,
                 amplitude,
@@ -101,14 +100,15 @@ def simulate(
                 scheme,
                 number_of("--keep", keep),
                 checkpoint,
-                lambda done, last: tell(1000 * done // last),
+                lambda done, last: tell(done / last),
             )
     except KeyboardInterrupt:
         if checkpoint is not None:
             print(f"interrupted; the same command goes on from {checkpoint}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    _write(watched, out, plot, animate, as_json)
+    # First what was found: a full disk does not take it away.
     show(report.as_json(watched), report.as_text(watched), as_json)
+    _write(watched, out, plot, animate, as_json)
     for path in (out, plot, animate):
         if path is not None:
             print(f"wrote {path}", file=sys.stderr)
@@ -137,12 +137,14 @@ def _check_files(
     """All that can be wrong with the files to be written, before the long work."""
     from asymptotics.errors import InputError
     from derivations.animation import check_animation_path
+    from derivations.files import check_writable
     from derivations.plots import check_plot_path
 
-    named = [given.resolve() for given in (out, plot, animate, checkpoint) if given is not None]
-    for given in named:
-        if named.count(given) > 1:
-            raise InputError(f"{given.name} is named twice; each file needs a name of its own")
+    given = [path for path in (out, plot, animate, checkpoint) if path is not None]
+    named = [os.path.realpath(path) for path in given]
+    for path, name in zip(given, named, strict=True):
+        if named.count(name) > 1:
+            raise InputError(f"{path.name} is named twice; each file needs a name of its own")
     if plot is not None:
         check_plot_path(plot)
     if animate is not None:
@@ -152,37 +154,22 @@ def _check_files(
             raise InputError(f"--out {out.name!r}: netCDF files end in .nc")
         for package in ("xarray", "h5netcdf", "h5py"):
             need(package)
+        check_writable(out)
         if out.exists():
             from numerics.files import specification
             from numerics.run_files import check_replaceable
 
             check_replaceable(out, specification(simulator), until + simulator.dt)
-    for path in (out, plot, animate):
-        if path is not None:
-            _check_writable(path)
-
-
-def _check_writable(path: Path) -> None:
-    from asymptotics.errors import StorageError
-
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
-        if path.is_dir():
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-    except OSError as error:
-        raise StorageError(
-            f"cannot write {path}: {error.strerror or error}. Choose another file"
-        ) from error
 
 
 def _write(
     watched: Watched, out: Path | None, plot: Path | None, animate: Path | None, quiet: bool
 ) -> None:
     if out is not None:
+        from derivations.files import make_folder_of
         from numerics.run_files import dataset, save
 
+        make_folder_of(out)
         asked = {"epsilon": watched.epsilon, "ramp": watched.ramp, "periods": watched.periods}
         save(dataset(watched.run).assign_attrs(asked), out)
     if plot is not None:

@@ -27,7 +27,7 @@ def threshold(
 ) -> None:
     """ε_c: where a ramped run loses the wave-less state, as an interval, and how."""
     need("numba")
-    from derivations.progress import progress
+    from derivations.progress import announce_compiling, progress
     from numerics.drive import non_negative
     from numerics.ramped_run import base_settings
     from numerics.threshold import threshold as compute
@@ -35,6 +35,7 @@ def threshold(
 
     stiffness = non_negative("beta", number_of("--beta", beta))
     base = base_settings(stiffness, None if dx is None else number_of("--dx", dx))
+    announce_compiling(as_json)
     total = 1 if quick else len(variations(base))
     with progress("bracketing", total, as_json) as report:
         found = compute(

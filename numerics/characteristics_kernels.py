@@ -15,7 +15,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from numerics.compiled import njit
 
 REACH = 2.0  # 2a, a = √Z(0) = 1
 GOLDEN = (math.sqrt(5.0) - 1) / 2

@@ -10,7 +10,9 @@ from __future__ import annotations
 import io
 import json
 import math
+import os
 import time
+import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,20 +20,36 @@ from typing import Any
 
 import numpy as np
 
-from numerics.contact import BLOCK, Scheme, Simulator
-from numerics.drive import Array, non_negative
+from numerics.checkpoint_checks import impossible, misshapen, other_motion, sample_times
+from numerics.contact import Scheme, Simulator
+from numerics.drive import non_negative
 from numerics.errors import FileError, NumericsError
-from numerics.files import differences, read_sealed, release, specification, write_sealed
+from numerics.files import (
+    differences,
+    not_written_here,
+    read_sealed,
+    release,
+    specification,
+    write_sealed,
+)
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid, State
 
 KIND = "ropewave checkpoint, version 2"
 """To be changed with the format, or with what the integrators do to the last bit."""
 
-# Samples of Z over the time gone by, besides those of the present block.
-_PAST = 256
-# Another machine's cosine may differ in the last bits of Z; another motion differs in others.
-_ROUNDINGS = 64.0
+_FIELDS = (
+    "specification",
+    "version",
+    "step",
+    "height",
+    "velocity",
+    "active",
+    "ledger",
+    "worst",
+    "drive_times",
+    "drive_heights",
+)
 
 Progress = Callable[[int, int], None]
 _Content = dict[str, Any]
@@ -61,13 +79,9 @@ def save_checkpoint(simulator: Simulator, path: Path | str) -> None:
     path = Path(path)
     if path.exists():
         _check(path, _read(path), simulator)
-    content = _content(simulator)
-
-    def fill(unfinished: Path) -> None:
-        with unfinished.open("wb") as stream:
-            np.savez(stream, **content)
-
-    write_sealed(path, KIND, fill)
+    packed = io.BytesIO()
+    np.savez(packed, **_content(simulator))
+    write_sealed(path, KIND, packed.getvalue())
 
 
 def resume(
@@ -82,8 +96,8 @@ def resume(
     Raises
     ------
     FileError
-        The file is missing, damaged, truncated, no checkpoint, or one of another run: what
-        differs is named. It is left as it is.
+        The file is missing, damaged, truncated, no checkpoint, one of another run, or of no run
+        at all: what differs is named. It is left as it is.
     InputError
         As the :class:`~numerics.contact.Simulator`.
     """
@@ -91,6 +105,9 @@ def resume(
     content = _read(path)
     simulator = Simulator(problem, grid, dt, scheme)
     _check(path, content, simulator)
+    what = impossible(simulator, content)
+    if what:
+        raise not_written_here(path, KIND, what)
     simulator.state = State(content["height"], content["velocity"], content["active"])
     simulator.ledger = content["ledger"]
     simulator.step = int(content["step"])
@@ -106,7 +123,7 @@ def start_or_resume(
     scheme: Scheme | str = Scheme.TRAPEZOIDAL,
 ) -> Simulator:
     """:func:`resume` where there is a file, else a new :class:`~numerics.contact.Simulator`."""
-    if Path(path).exists():
+    if os.path.lexists(path):
         return resume(path, problem, grid, dt, scheme)
     return Simulator(problem, grid, dt, scheme)
 
@@ -186,11 +203,11 @@ def saving(
 
 
 def _content(simulator: Simulator) -> _Content:
-    times = _sample_times(simulator)
+    times = sample_times(simulator.step, simulator.dt)
     return {
         "specification": np.array(json.dumps(specification(simulator))),
         "version": np.array(release()),
-        "step": np.array(simulator.step),
+        "step": np.array(simulator.step, np.int64),
         "height": simulator.state.height,
         "velocity": simulator.state.velocity,
         "active": simulator.state.active,
@@ -201,37 +218,34 @@ def _content(simulator: Simulator) -> _Content:
     }
 
 
-def _sample_times(simulator: Simulator) -> Array:
-    """Of the present block, where Z matters to the next bit, and of the time gone by."""
-    start = simulator.step - simulator.step % BLOCK
-    block = simulator.dt * np.arange(start - 1, start + BLOCK + 1)
-    return np.concatenate([np.maximum(block, 0.0), np.linspace(0.0, simulator.time, _PAST)])
-
-
 def _read(path: Path) -> _Content:
-    with np.load(io.BytesIO(read_sealed(path, KIND)), allow_pickle=False) as arrays:
-        return dict(arrays)
+    """The arrays of a checkpoint; only that they are there is checked."""
+    raw = io.BytesIO(read_sealed(path, KIND))
+    try:
+        with zipfile.ZipFile(raw) as archive:
+            members = {member.filename: member for member in archive.infolist()}
+            if set(members) != {f"{name}.npy" for name in _FIELDS}:
+                raise ValueError(f"it holds {sorted(members)}")
+            if any(member.compress_type != zipfile.ZIP_STORED for member in members.values()):
+                raise ValueError("its arrays are compressed")
+        with np.load(raw, allow_pickle=False) as arrays:
+            content = {name: arrays[name] for name in _FIELDS}
+        content["specification"] = json.loads(str(content["specification"]))
+        if not isinstance(content["specification"], dict):
+            raise ValueError("its specification is no object")
+    except Exception as error:  # of zipfile and NumPy, in bytes that are not theirs: any
+        raise not_written_here(path, KIND, error) from error
+    return content
 
 
 def _check(path: Path, content: _Content, simulator: Simulator) -> None:
     """That the checkpoint is of the simulator's run."""
-    found = json.loads(str(content["specification"]))
-    what = differences(found, specification(simulator))
+    what = differences(content["specification"], specification(simulator))
     if not what:
-        times, there = content["drive_times"], content["drive_heights"]
-        here = np.asarray(simulator.problem.drive.height(times), float)
-        if here.shape != times.shape:
-            what = "the drive does not give a height for each time of an array"
-        else:
-            apart = np.abs(here - there)
-            same = apart <= _ROUNDINGS * np.finfo(float).eps * np.abs(there)
-            if not same.all():
-                worst = int(np.argmax(np.where(same, -1.0, np.nan_to_num(apart, nan=math.inf))))
-                what = (
-                    f"the drive {simulator.problem.drive.label!r} is another motion of the same "
-                    f"name: Z({times[worst]:.6g}) = {there[worst]:.17g} there, "
-                    f"{here[worst]:.17g} here"
-                )
+        broken = misshapen(simulator, content)
+        if broken:
+            raise not_written_here(path, KIND, broken)
+        what = other_motion(simulator, content)
     if what:
         raise FileError(
             f"{path} is the checkpoint of another run: {what}. It is left as it is; ask for that "

@@ -58,6 +58,10 @@ class FileError(NumericsError):
     """A file is damaged, foreign or of another run; it has been left as it is."""
 
 
+class WorkerError(NumericsError):
+    """A process of a sweep ended before its work was done."""
+
+
 class MissingPackageError(NumericsError, ImportError):
     """A package that only this task needs is not installed."""
 

@@ -8,14 +8,16 @@ parsed. It says that a file is what was written, not that it is true.
 from __future__ import annotations
 
 import hashlib
+import json
+import math
 import os
-import tempfile
-from collections.abc import Callable
+import stat
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
+from numerics import atomic
 from numerics.errors import FileError
 
 if TYPE_CHECKING:
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
     from numerics.simulation import Run
 
 Specification = dict[str, Any]
+
+LARGEST_JSON = 2**26
+"""Bytes of a JSON file, 64 MiB: to parse more takes gigabytes."""
 
 _DIGEST = 64
 
@@ -73,46 +78,33 @@ def release() -> str:
         return "unknown"
 
 
-def replace_file(path: Path, fill: Callable[[Path], object]) -> None:
-    """Let ``fill`` write a new file beside ``path``, then put it in place in one step.
-
-    Killed at any moment, ``path`` is the old file or the new one. (The unfinished file, whose
-    name begins with a dot, may be left behind.)
+def replace_file(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all: :func:`numerics.atomic.replace_file`.
 
     Raises
     ------
     FileError
         The folder is missing, full or protected.
     """
-    path = Path(os.path.realpath(path))
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        os.close(handle)
-        unfinished = Path(name)
-        try:
-            fill(unfinished)
-            with unfinished.open("rb+") as stream:
-                os.fsync(stream.fileno())
-            unfinished.chmod(0o644)
-            unfinished.replace(path)
-        finally:
-            unfinished.unlink(missing_ok=True)
+        atomic.replace_file(path, content)
     except OSError as error:
         raise FileError(
             f"cannot write {path}: {error.strerror or error}. Choose a place you may write to"
         ) from error
 
 
-def write_sealed(path: Path, kind: str, fill: Callable[[Path], object]) -> None:
-    """:func:`replace_file`, with a seal at the end of what ``fill`` writes."""
+def write_sealed(path: Path, kind: str, content: bytes) -> None:
+    """Write the content with a seal at its end; what a killed process left beside it is removed.
 
-    def fill_and_seal(unfinished: Path) -> None:
-        fill(unfinished)
-        with unfinished.open("rb+") as stream:
-            digest = hashlib.file_digest(stream, "sha256").hexdigest()
-            stream.write(_first(kind) + digest.encode() + b"\n")
-
-    replace_file(path, fill_and_seal)
+    Raises
+    ------
+    FileError
+        As :func:`replace_file`.
+    """
+    atomic.sweep_unfinished(path.parent)
+    digest = hashlib.sha256(content).hexdigest()
+    replace_file(path, b"".join([content, _first(kind), digest.encode(), b"\n"]))
 
 
 def read_sealed(path: Path, kind: str) -> bytes:
@@ -123,12 +115,16 @@ def read_sealed(path: Path, kind: str) -> bytes:
     FileError
         It cannot be read, is not of this kind, or is not what was written.
     """
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise FileError(f"cannot read {path}: {error.strerror or error}") from error
     first = _first(kind)
-    content, seal = raw[: -len(first) - _DIGEST - 1], raw[-len(first) - _DIGEST - 1 :]
+    try:
+        with _open(path) as stream:
+            length = max(os.fstat(stream.fileno()).st_size - len(first) - _DIGEST - 1, 0)
+            stream.seek(length)
+            seal = stream.read(len(first) + _DIGEST + 1)
+            stream.seek(0)
+            content = stream.read(length) if seal.startswith(first) else b""
+    except (OSError, MemoryError) as error:
+        raise FileError(f"cannot read {path}: {_reason(error)}") from error
     if not seal.startswith(first):
         raise FileError(
             f"{path} is not a {kind}, or it is truncated: its last line is not the seal. It is "
@@ -140,6 +136,62 @@ def read_sealed(path: Path, kind: str) -> bytes:
             "is; move it away and run again"
         )
     return content
+
+
+def not_written_here(path: Path, kind: str, what: str | Exception) -> FileError:
+    """The error of a file whose seal is right and whose content is not, in one line."""
+    if isinstance(what, MemoryError):
+        return FileError(f"cannot read {path}: {_reason(what)}")
+    line = " ".join(str(what or type(what).__name__).split())
+    return FileError(
+        f"{path} is sealed and yet no {kind} that ropewave has written: {line:.300}. It is left "
+        "as it is; move it away and run again"
+    )
+
+
+def read_json(path: Path, remedy: str, nan: bool = False) -> Any:
+    """What a JSON file holds; NaN and infinities only if asked for: JSON has none.
+
+    ``remedy`` is what to do about a file that cannot be read.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, is no JSON, or too large or too deeply nested for any file of ours.
+    """
+    try:
+        with _open(path) as stream:
+            raw = stream.read(LARGEST_JSON + 1)
+        if len(raw) > LARGEST_JSON:
+            raise ValueError(f"it has more than {LARGEST_JSON} bytes")
+        number = float if nan else _finite
+        return json.loads(raw, parse_constant=number, parse_float=number)
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {_reason(error)}. {remedy}") from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise FileError(
+            f"{path} is damaged, or no JSON file of ropewave: {_reason(error)}. {remedy}"
+        ) from error
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text:.50} is no finite number")
+    return number
+
+
+def _open(path: Path) -> BinaryIO:
+    """An ordinary file, for reading; devices and pipes have no end."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise OSError(22, "it is not an ordinary file")
+    return path.open("rb")
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, MemoryError):
+        return "it needs more memory than there is"
+    return (isinstance(error, OSError) and error.strerror) or str(error)
 
 
 def _first(kind: str) -> bytes:

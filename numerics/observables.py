@@ -27,8 +27,7 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
-from numba import njit
-
+from numerics.compiled import njit
 from numerics.drive import Array
 from numerics.semi_discrete import Flags, SemiDiscrete
 

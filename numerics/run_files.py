@@ -7,7 +7,10 @@ it was divided by. Files are sealed (:mod:`numerics.files`), equal runs give equ
 
 from __future__ import annotations
 
+import io
 import json
+import os
+import warnings
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -19,6 +22,7 @@ from numerics.errors import FileError, InputError, MissingPackageError
 from numerics.files import (
     Specification,
     differences,
+    not_written_here,
     read_sealed,
     release,
     specification,
@@ -50,6 +54,28 @@ _SERIES = {
     Column.REACTION: ("reaction", "smallest reaction of the ground, over T Z_0/x_0^2"),
 }
 _TIME = "time c t/x_0"
+_FRAME = ("snapshot_time", "xi")
+_LAYOUT = {
+    "time": (("time",), "f"),
+    "snapshot_time": (_FRAME[:1], "f"),
+    "xi": (_FRAME[1:], "f"),
+    "W": (_FRAME, "f"),
+    "V": (_FRAME, "f"),
+    "held": (_FRAME, "b"),
+    "Z_snapshot": (_FRAME[:1], "f"),
+    "Z": (("time",), "f"),
+    "W_end": (_FRAME[1:], "f"),
+    "V_end": (_FRAME[1:], "f"),
+    "held_end": (_FRAME[1:], "b"),
+    **{name: (("time",), "f") for name, _ in _SERIES.values()},
+    "rounds": (("time",), "i"),
+}
+"""Dimensions and kind of type of every variable."""
+_MISSING = ("contact_point", "contact_force", "bump", "bump_at", "gap", "gap_at", "reaction")
+"""Those that are NaN, or infinite, where there is no contact, wave or minimum."""
+_NUMBERS = ("final_energy", "final_work", "final_damped", "final_lost", "largest_unexplained")
+# Deflate makes nothing smaller than this part of it.
+_DEFLATE = 1032
 
 
 def dataset(run: Run) -> Dataset:
@@ -80,7 +106,7 @@ def dataset(run: Run) -> Dataset:
     """
     xarray = _xarray()
     height = run.problem.drive.height
-    frame = ("snapshot_time", "xi")
+    frame = _FRAME
     staggered = " half a time step earlier" if run.scheme is Scheme.VERLET else ""
     speed = f"vertical velocity over c Z_0/x_0{staggered}"
     on_ground = "node held by the ground (the contact set)"
@@ -148,14 +174,22 @@ def save(run: Run | Dataset, path: Path | str, force: bool = False) -> None:
     _netcdf()
     data = dataset(run) if isinstance(run, Run) else run
     path = Path(path)
-    wanted = data.attrs.get(_SPECIFICATION)
-    if wanted is None:
+    what = _foreign(data) or _impossible(data)
+    if what:
         raise InputError(
-            "this Dataset has no attribute 'specification': save a Run, or what dataset() made of "
-            "one; for other data there is Dataset.to_netcdf"
+            f"this is no Dataset of a run: {what}. Save a Run, or what dataset() made of one; for "
+            "other data there is Dataset.to_netcdf"
         )
-    if path.exists() and not force:
-        check_replaceable(path, json.loads(wanted), data.attrs["end_time"])
+    if os.path.lexists(path) and not force:
+        check_replaceable(path, json.loads(data.attrs[_SPECIFICATION]), data.attrs["end_time"])
+    write_sealed(path, KIND, _netcdf_bytes(data))
+
+
+def _netcdf_bytes(data: Dataset) -> bytes:
+    """The file in memory: HDF5 ends the process when a disk that it writes to is full."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
     packed = {"zlib": True, "complevel": 4, "shuffle": True}
     # Without NaN no fill value: coordinates and flags have no missing values.
     whole = {"_FillValue": None}
@@ -165,7 +199,10 @@ def save(run: Run | Dataset, path: Path | str, force: bool = False) -> None:
         if value.ndim and value.dtype.kind in "fiub"
     }
     encoding |= dict.fromkeys(data.coords, whole)
-    write_sealed(path, KIND, lambda p: data.to_netcdf(p, engine="h5netcdf", encoding=encoding))
+    content = io.BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        data.dump_to_store(H5NetCDFStore(file), encoding=encoding)
+    return content.getvalue()
 
 
 def load(path: Path | str) -> Dataset:
@@ -180,8 +217,57 @@ def load(path: Path | str) -> Dataset:
     """
     xarray = _netcdf()
     path = Path(path)
-    read_sealed(path, KIND)
-    return xarray.load_dataset(path, engine="h5netcdf")
+    content = read_sealed(path, KIND)
+    try:
+        with (
+            warnings.catch_warnings(action="ignore"),
+            xarray.open_dataset(io.BytesIO(content), engine="h5netcdf") as lazy,
+        ):
+            what: str | Exception = _foreign(lazy)
+            if not what and lazy.nbytes > _DEFLATE * len(content):
+                what = f"it would unpack to {lazy.nbytes} bytes"
+            what = what or _impossible(lazy.load())
+    except Exception as error:  # of HDF5 and xarray, in bytes that are not theirs: any
+        what = error
+    if what:
+        raise not_written_here(path, KIND, what)
+    data: Dataset = lazy
+    return data
+
+
+def _foreign(data: Dataset) -> str:
+    """What of a run's layout is missing or otherwise, in words, or nothing; no values are read."""
+    for name, (dims, kind) in _LAYOUT.items():
+        if name not in data.variables:
+            return f"{name} is missing"
+        found = data.variables[name]
+        if found.dims != dims or found.dtype.kind != kind:
+            return f"{name} is {found.dtype} over {found.dims}, not {kind!r} over {dims}"
+    try:
+        specified = json.loads(data.attrs[_SPECIFICATION])
+        parameters = {name: value for name, value in specified.items() if value is not None}
+        numbers = [float(data.attrs[name]) for name in (*_NUMBERS, "end_time")]
+        for name, value in parameters.items():
+            if data.attrs[name] != value:
+                return f"{name} = {data.attrs[name]} there, {value} in its specification"
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        return f"of its attributes, {type(error).__name__}: {error}"
+    if not np.isfinite(numbers).all():
+        return f"{(*_NUMBERS, 'end_time')} = {numbers}"
+    return ""
+
+
+def _impossible(data: Dataset) -> str:
+    """Which values are none of a run, in words, or nothing."""
+    for name in _LAYOUT:
+        values = data.variables[name].values
+        if values.dtype.kind == "f" and name not in _MISSING and not np.isfinite(values).all():
+            return f"{name} holds {values[~np.isfinite(values)][0]}"
+    for name in ("time", "snapshot_time", "xi"):
+        values = data.variables[name].values
+        if (values < 0).any() or (np.diff(values) <= 0).any():
+            return f"{name} does not increase"
+    return ""
 
 
 def _variable(

@@ -128,7 +128,10 @@ def test_a_second_run_reads_the_cache(tmp_path: Path) -> None:
             "--s 'a,b': not a number",
         ),
         (["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--tau", ","], "--tau is empty"),
-        (["derive", "--order", "2", "--out", "/dev/null/x"], "cannot write in /dev/null/x"),
+        (
+            ["derive", "--order", "2", "--out", "/dev/null/x"],
+            "cannot write /dev/null/x",
+        ),
         (["nonsense"], "No such command"),
     ],
 )

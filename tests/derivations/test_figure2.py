@@ -24,7 +24,8 @@ from derivations.figure2_laws import (
     laws,
 )
 from derivations.figure2_plot import plot_figure2
-from derivations.figure2_tables import MECHANISMS, tables
+from derivations.figure2_points import MECHANISMS
+from derivations.figure2_tables import tables
 from numerics.errors import FileError
 from numerics.threshold import Mechanism
 
@@ -204,7 +205,7 @@ def test_a_killed_run_goes_on(tmp_path: Path) -> None:
 
 def test_collected_data_come_back_and_others_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "points.json"
-    figure2.write_collected(synthetic(), True, path)
+    path.write_text(figure2.collected(figure2._rounded(synthetic()), True))
     points, coarse = figure2.read_collected(path)
     assert coarse
     assert [point["omega"] for point in points] == pytest.approx(
@@ -213,7 +214,7 @@ def test_collected_data_come_back_and_others_are_refused(tmp_path: Path) -> None
     content = json.loads(path.read_text())
     content["specification"] = "something else"
     path.write_text(json.dumps(content))
-    with pytest.raises(InputError, match="compute it anew"):
+    with pytest.raises(FileError, match="Compute it anew"):
         figure2.read_collected(path)
 
 

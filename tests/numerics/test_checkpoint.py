@@ -210,7 +210,7 @@ random.seed(1)
 straight = Simulator(SMALL, COARSE)
 advance(Simulator(SMALL, COARSE), 1)  # compiled before the clock starts
 save_checkpoint(straight, path)
-steps = []
+steps, interrupted = [], 0
 # At least 40 kills, and on a busy machine as many as it takes to interrupt some writing.
 for kills in range(1, 2000):
     child = os.fork()
@@ -223,11 +223,13 @@ for kills in range(1, 2000):
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     steps.append(resume(path, SMALL, COARSE).step)
-    interrupted = len(list(path.parent.glob(".*.part")))
+    interrupted += len(list(path.parent.glob(".*")))
     if kills >= 40 and steps[-1] > 20 and interrupted:
         break
 advance(straight, steps[-1])
 assert bits(straight) == bits(resume(path, SMALL, COARSE))
+save_checkpoint(straight, path)
+assert list(path.parent.iterdir()) == [path]
 print(steps[-1], steps == sorted(steps), interrupted)
 """
 

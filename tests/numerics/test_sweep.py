@@ -12,8 +12,10 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from numerics.atomic import UNFINISHED
 from numerics.errors import FileError, InputError
 from numerics.sweep import square, sweep
 
@@ -100,6 +102,109 @@ def test_bad_arguments() -> None:
         sweep(square, [{"x": 1}, {"x": 1}])
     with pytest.raises(InputError, match="workers = 0"):
         sweep(square, TASKS, workers=0)
+
+
+def of_numpy(task: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "f8": np.float64(task["x"]), "f4": np.float32(0.5), "i": np.int64(task["x"]),
+        "b": np.bool_(True), "many": (np.int8(1), 2.0), "nan": np.float64(math.nan),
+    }  # fmt: skip
+
+
+def test_numpy_scalars_are_numbers(tmp_path: Path) -> None:
+    """In tasks and results; a resumed sweep returns what the first one did."""
+    task = {"x": np.int64(3)}
+    first = sweep(of_numpy, [task], tmp_path)
+    assert repr(first) == repr(sweep(of_numpy, [{"x": 3}], tmp_path))
+    assert repr(first[0]) == (
+        "{'f8': 3.0, 'f4': 0.5, 'i': 3, 'b': True, 'many': [1, 2.0], 'nan': nan}"
+    )
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize("value", [np.zeros(2), np.complex128(1j), {1}, object()])
+def test_other_results_are_one_clear_error(value: Any, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"is not JSON .*give plain numbers and words"):
+        sweep(lambda _: {"y": value}, TASKS[:1], tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_result_that_could_not_be_read_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("numerics.sweep.LARGEST_JSON", 300)
+    with pytest.raises(InputError, match=r"takes \d+ bytes of JSON, more than 300"):
+        sweep(lambda _: {"y": "x" * 300}, TASKS[:1], tmp_path)
+
+
+def test_deeply_nested_results(tmp_path: Path) -> None:
+    deep: list[Any] = []
+    for _ in range(5000):
+        deep = [deep]
+    with pytest.raises(InputError, match="is not JSON"):
+        sweep(lambda _: {"y": deep}, TASKS[:1], tmp_path)
+
+
+MAIN = """
+from numerics.sweep import square, sweep
+from numerics.errors import NumericsError
+
+def mine(task):
+    return square(task)
+
+{call}
+"""
+CALL = """
+try:
+    print(sweep({work}, [{{"x": 1}}, {{"x": 2}}], workers=2))
+except NumericsError as error:
+    print(type(error).__name__, error)
+"""
+GUARDED = "if __name__ == '__main__':\n" + CALL.replace("\n", "\n    ")
+
+
+@pytest.mark.parametrize(
+    ("how", "call", "message"),
+    [
+        ("-", CALL.format(work="mine"), "InputError workers are processes of their own, and the "
+         "main program, '<stdin>', is no file that they can import"),
+        ("-", CALL.format(work="square"), "InputError workers are processes of their own, and the "
+         "main program, '<stdin>', is no file"),
+        ("-c", CALL.format(work="mine"), "InputError workers are processes of their own, and the "
+         "work is defined in a session"),
+        ("-c", CALL.format(work="square"), "[{'y': 1}, {'y': 4}]"),
+        ("file", CALL.format(work="mine"), "WorkerError a process of the sweep ended before"),
+        ("file", GUARDED.format(work="mine"), "[{'y': 1}, {'y': 4}]"),
+        ("file", GUARDED.format(work="lambda task: task"), "InputError workers are processes of "
+         "their own, and the work cannot be sent to them"),
+    ],
+)  # fmt: skip
+def test_work_that_other_processes_cannot_import(
+    how: str, call: str, message: str, tmp_path: Path
+) -> None:
+    code, script = MAIN.format(call=call), tmp_path / "script.py"
+    script.write_text(code, encoding="utf-8")
+    arguments = {"-": ["-"], "-c": ["-c", code], "file": [str(script)]}[how]
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        input=code if how == "-" else "",
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.stdout.startswith(message), done.stderr
+    if not message.startswith("WorkerError"):
+        assert done.stderr == ""
+
+
+def test_a_start_sweeps_what_a_killed_one_left(tmp_path: Path) -> None:
+    sweep(square, TASKS, tmp_path)
+    left = tmp_path / f".more.12{UNFINISHED}"
+    left.write_bytes(b"half")
+    sweep(square, TASKS, tmp_path)
+    assert len(list(tmp_path.iterdir())) == 5
 
 
 def test_an_unwritable_folder(tmp_path: Path) -> None:

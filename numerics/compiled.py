@@ -1,0 +1,68 @@
+"""numba's compiler, content with any place for what it compiled, or with none.
+
+Compiling takes seconds, and is told to the logger ``ropewave.numerics``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba.core.caching import FunctionCache, NullCache
+
+_LOGGER = logging.getLogger("ropewave.numerics")
+
+
+class _Cache(FunctionCache):
+    """numba's cache of a function, for places that may be full."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """What was kept, or None."""
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            _LOGGER.info("compiling, once")
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what was compiled, if possible: this process has it anyhow."""
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)
+
+
+class _NoCache(NullCache):
+    """Nothing is kept."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> None:
+        """Nothing was."""
+        _LOGGER.info(
+            "compiling, as every time: set NUMBA_CACHE_DIR to a folder that can be written"
+        )
+
+
+def njit(cache: bool = True, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """``numba.njit``; the cache is in NUMBA_CACHE_DIR, beside the source, or at the user's.
+
+    Where none of them can be written (a read-only installation, no home) every process compiles
+    anew.
+
+    >>> @njit(cache=True)
+    ... def double(x):
+    ...     return 2 * x
+    >>> double(1.5)
+    3.0
+    """
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        dispatcher = numba.njit(**options)(function)
+        if not cache:
+            return dispatcher
+        try:
+            dispatcher._cache = _Cache(function)
+        except RuntimeError:  # numba has found no place
+            dispatcher._cache = _NoCache()
+        return dispatcher
+
+    return decorate
