@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from derivations.output import note
+
 PATIENCE = 1.0
 """Seconds before anything is shown."""
 
@@ -58,7 +60,7 @@ def progress(
         if fine:
             left = elapsed * (total - done) / max(done, 1)
             text = f"{100 * done // total} % ({elapsed:.1f} s, {left:.0f} s left)"
-        print(f"{title}: {text}", file=sys.stderr, flush=True)
+        note(f"{title}: {text}")
 
     yield report
 
