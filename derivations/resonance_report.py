@@ -264,13 +264,12 @@ def plot_spectrum(path: Path, beta: float | None = None) -> dict[str, Any]:
 
 
 def _figure(drawn: dict[str, Any], marked: float | None) -> Any:
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    from derivations.plots import figure_style
+    from derivations.plots import drawing
 
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(7.0, 3.1), layout="constrained")
         left, right = figure.subplots(1, 2)
         for end in DRIVEN_ENDS:
