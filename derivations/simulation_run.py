@@ -16,7 +16,15 @@ import numpy as np
 
 from derivations.simulation_plots import FRAMES_PER_PERIOD
 from numerics.checkpoint import save_checkpoint, saving, start_or_resume
-from numerics.contact import Block, Scheme, Simulator, equilibrium, steps_until, stride
+from numerics.contact import (
+    Block,
+    Scheme,
+    Simulator,
+    check_resolution,
+    equilibrium,
+    steps_until,
+    stride,
+)
 from numerics.drive import Drive, cosine, non_negative, positive, ramped_cosine
 from numerics.errors import InputError
 from numerics.events import Event, EventFinder, EventKind
@@ -25,9 +33,6 @@ from numerics.problem import RopeProblem
 from numerics.pulses import smallest_wave
 from numerics.semi_discrete import Grid
 from numerics.simulation import Run, follow
-
-LEAST_STEPS = 20
-"""Steps that a forcing period must have at least."""
 
 
 class Verdict(Enum):
@@ -216,11 +221,7 @@ def watch(
         simulator = Simulator(problem, grid, dt, scheme)
     else:
         simulator = start_or_resume(checkpoint, problem, grid, dt, scheme)
-    if simulator.dt > period / LEAST_STEPS:
-        raise InputError(
-            f"dt = {simulator.dt:.4g} is too long for a forcing period of {period:.4g}: take at "
-            f"least {LEAST_STEPS} steps a period, dt ≤ {period / LEAST_STEPS:.4g}"
-        )
+    check_resolution(simulator.dt, period)
     last = steps_until(until, simulator.dt)
     if simulator.step >= last:
         raise InputError(
@@ -228,7 +229,8 @@ def watch(
             f"{until:.6g} of these {periods:g} periods; ask for more periods, or for another file"
         )
     every = stride("snapshots", period / FRAMES_PER_PERIOD, simulator.dt)
-    window = max(last - math.ceil(positive("keep", keep) * period / simulator.dt), 0)
+    kept = min(positive("keep", keep), periods)
+    window = max(last - math.ceil(kept * period / simulator.dt), 0)
     window -= window % every
     history = _History(simulator)
     with _interruptible() as check:

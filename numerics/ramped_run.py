@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numerics.contact import Block, Scheme, Simulator
+from numerics.contact import Block, Scheme, Simulator, check_resolution
 from numerics.drive import (
     Array,
     Drive,
@@ -30,9 +30,9 @@ from numerics.drive import (
 )
 from numerics.events import Event, EventFinder, EventKind, fastest_contact
 from numerics.observables import Column
-from numerics.problem import RopeProblem
+from numerics.problem import RopeProblem, check_stiffness
 from numerics.pulses import smallest_wave
-from numerics.semi_discrete import Grid
+from numerics.semi_discrete import Grid, check_spacing
 
 Envelope = Callable[[Array], Array]
 
@@ -141,16 +141,17 @@ def base_settings(beta: float, dx: float | None = None) -> Settings:
     Raises
     ------
     InputError
-        β < 0 or dx ≤ 0.
+        β outside [0, 1]; dx ≤ 0, too coarse for β, or too fine for any machine.
 
     Examples
     --------
     >>> base_settings(0.01).dx, base_settings(0.01).height
     (0.01, 1e-05)
     """
-    beta = non_negative("beta", beta)
+    beta = check_stiffness(beta)
     if dx is None:
         dx = math.sqrt(beta) / 10 if beta > 0 else 0.01
+    check_spacing(beta, Grid(dx).dx)
     return Settings(dx, max(1e-3 * beta, smallest_wave(beta, dx)))
 
 
@@ -184,6 +185,7 @@ def watch(
 ) -> Outcome:
     """As :func:`run_once`, for any drive; ``envelope`` is its amplitude, a function of τ."""
     simulator = settings.simulator(RopeProblem(beta, drive))
+    check_resolution(simulator.dt, drive.period)
     dx, dt, height = settings.dx, simulator.dt, settings.height
     tail = _Tail((MEMORY + 1) * drive.period)
     lost = False
