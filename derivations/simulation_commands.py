@@ -81,8 +81,8 @@ def simulate(
     """Simulate a rope that is shaken: does it follow, or does it shed waves?"""
     need("numba")
     from derivations import simulation_report as report
-    from derivations.progress import progress
-    from derivations.simulation_run import default_dx, drive_of, watch
+    from derivations.progress import announce, progress
+    from derivations.simulation_run import default_dx, drive_of, seconds, watch
     from numerics.contact import Simulator
     from numerics.problem import DrivenEnd, RopeProblem
     from numerics.semi_discrete import Grid
@@ -106,6 +106,9 @@ def simulate(
                 keep,
                 checkpoint,
                 lambda done, last: tell(1000 * done // last),
+                lambda nodes, steps: announce(
+                    f"{steps} steps of {nodes} nodes", seconds(nodes, steps, scheme)
+                ),
             )
     except KeyboardInterrupt:
         if checkpoint is not None:

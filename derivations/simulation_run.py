@@ -153,6 +153,15 @@ def _bump(run: Run, row: int) -> Bump:
     return Bump(float(height), float(place), float(run.times[row]))
 
 
+def seconds(nodes: int, steps: float, scheme: str) -> float:
+    """How long so many steps take, roughly: waves, and the machine, make up to ten of it.
+
+    >>> seconds(1000, 1e6, "trapezoidal")
+    20.0
+    """
+    return nodes * steps * (2e-8 if scheme == Scheme.TRAPEZOIDAL.value else 3e-9)
+
+
 def default_dx(beta: float) -> float:
     """0.01, or the next round number below √β/20 where that is less.
 
@@ -190,12 +199,13 @@ def watch(
     keep: float = 4.0,
     checkpoint: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
+    begin: Callable[[int, int], None] | None = None,
 ) -> Watched:
     """Simulate ``periods`` forcing periods from rest, and keep the last ``keep`` of them.
 
     With a ``checkpoint`` the run is resumed where the file exists, saved every few seconds until
     the periods to be kept begin, and saved when it is interrupted (Ctrl-C), which then raises
-    KeyboardInterrupt.
+    KeyboardInterrupt. ``begin`` is told the nodes and the steps to be done, before the first.
 
     Raises
     ------
@@ -233,6 +243,8 @@ def watch(
     window = max(last - math.ceil(kept * period / simulator.dt), 0)
     window -= window % every
     history = _History(simulator)
+    if begin is not None:
+        begin(simulator.system.size, last - simulator.step)
     with _interruptible() as check:
 
         def done(step: int, _: int) -> None:

@@ -12,7 +12,11 @@ from derivations.output import finite, show
 from derivations.simulation_commands import need
 
 if TYPE_CHECKING:
+    from numerics.ramped_run import Settings
     from numerics.threshold import Threshold
+
+RUNS = 10
+"""That a bracket takes, more or less."""
 
 
 def threshold(
@@ -30,23 +34,37 @@ def threshold(
 ) -> None:
     """ε_c: where a ramped run loses the wave-less state, as an interval, and how."""
     need("numba")
-    from derivations.progress import progress
+    from derivations.progress import announce, progress
     from numerics.ramped_run import base_settings
     from numerics.threshold import threshold as compute
     from numerics.threshold import variations
 
     base = base_settings(beta, dx)
-    total = 1 if quick else len(variations(base))
-    with progress("bracketing", total, as_json) as report:
-        found = compute(
-            omega,
-            beta,
-            base,
-            quick,
-            relative,
-            progress=lambda done, _: report(done),
-        )
+    cases = [base] if quick else list(variations(base).values())
+    announce(*_effort(omega, beta, cases))
+    done = 0
+    with progress("bracketing", len(cases), as_json) as report:
+
+        def advance(brackets: int, _: int) -> None:
+            nonlocal done
+            done = brackets
+            report(done)
+
+        def watching(epsilon: float, part: float) -> None:
+            report(done, f"a run at epsilon = {epsilon:.4g}, {100 * part:.0f} % of it")
+
+        found = compute(omega, beta, base, quick, relative, progress=advance, watching=watching)
     show(threshold_json(found), threshold_text(found), as_json)
+
+
+def _effort(omega: float, beta: float, cases: list[Settings]) -> tuple[str, float]:
+    """What is to be done, in words and roughly in seconds."""
+    from derivations.simulation_run import seconds
+    from numerics.ramped_run import run_length
+
+    nodes, steps = run_length(omega, beta, cases[0])
+    total = sum(RUNS * seconds(*run_length(omega, beta, case), case.scheme.value) for case in cases)
+    return f"about {RUNS * len(cases)} runs, the first of {steps} steps of {nodes} nodes", total
 
 
 def threshold_json(found: Threshold) -> dict[str, Any]:

@@ -60,7 +60,7 @@ class Drive:
         if not self.label:
             raise InputError("a drive needs a label: files and checkpoints are told apart by it")
         if self.omega is not None:
-            object.__setattr__(self, "omega", _frequency(self.omega))
+            object.__setattr__(self, "omega", frequency(self.omega))
 
     @property
     def period(self) -> float:
@@ -165,7 +165,7 @@ def smooth_step(x: ArrayLike) -> tuple[Array, Array, Array]:
 
 def check_amplitude(omega: float, epsilon: float) -> tuple[float, float]:
     """Ω > 0 and |ε| < 1, so that the end stays above the ground."""
-    omega, epsilon = _frequency(omega), finite("epsilon", epsilon)
+    omega, epsilon = frequency(omega), finite("epsilon", epsilon)
     if abs(epsilon) >= 1:
         raise InputError(
             f"epsilon = {epsilon!r} takes the driven end down to Z = {1 - abs(epsilon):.3g} ≤ 0; "
@@ -174,7 +174,8 @@ def check_amplitude(omega: float, epsilon: float) -> tuple[float, float]:
     return omega, epsilon
 
 
-def _frequency(omega: Any) -> float:
+def frequency(omega: Any) -> float:
+    """Ω between LOWEST and HIGHEST."""
     number = positive("Omega", omega)
     if not LOWEST <= number <= HIGHEST:
         raise InputError(
