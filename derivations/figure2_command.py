@@ -13,6 +13,9 @@ from derivations.output import show, wrote
 if TYPE_CHECKING:
     from derivations.figure2 import Point
 
+SECONDS = {True: 2.0, False: 20.0}
+"""Of processor time that a point takes, more or less, coarse or not."""
+
 
 def figure2(
     coarse: Annotated[
@@ -67,7 +70,7 @@ def figure2(
 def _points(coarse: bool, data: Path | None, workers: int, quiet: bool) -> tuple[list[Point], bool]:
     """Read a collected file, or compute, in memory when coarse and without a folder."""
     from derivations.figure2 import compute, read_collected, tasks
-    from derivations.progress import progress
+    from derivations.progress import announce, progress
 
     if data is not None and data.suffix == ".json":
         return read_collected(data)
@@ -79,7 +82,9 @@ def _points(coarse: bool, data: Path | None, workers: int, quiet: bool) -> tuple
 
         data = cache_folder() / "figure2"
     folder = None if data is None else data / ("coarse" if coarse else "working")
-    with progress("figure 2", len(tasks(coarse)), quiet, fine=True) as tell:
+    count = len(tasks(coarse))
+    announce(f"{count} points, less those kept", count * SECONDS[coarse] / workers)
+    with progress("figure 2", count, quiet, fine=True) as tell:
         return compute(coarse, folder, workers, lambda done, _: tell(done)), coarse
 
 

@@ -177,3 +177,31 @@ def test_a_bad_list_is_one_clear_error(text: str, message: str) -> None:
 
     with pytest.raises(InputError, match=message):
         numbers_of("--tau", text)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["simulate", "--help"], ["--version"]])
+def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
+    script = (
+        "import sys\n"
+        "from derivations.app import main\n"
+        "try:\n"
+        f"    main({arguments!r})\n"
+        "except SystemExit:\n"
+        "    print(*sys.modules, file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    heavy = {"numpy", "flint", "sympy", "rich", "matplotlib", "numba", "scipy"}
+    if len(arguments) == 1:  # the options for completion need it before a command is reached
+        heavy.add("pydantic")
+    assert heavy & set(done.stderr.split()) == set()
+    assert "derivations.app" in done.stderr.split()
+
+
+def test_the_face_of_asymptotics_is_imported_when_asked_for() -> None:
+    import asymptotics
+
+    assert set(asymptotics.__all__) <= set(dir(asymptotics))
+    for name in asymptotics.__all__:
+        assert callable(getattr(asymptotics, name))
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        _ = asymptotics.nothing
