@@ -49,5 +49,13 @@ class ForeignFileError(StorageError):
     """A saved file that belongs to another problem, another format or another program."""
 
 
+class OutputError(RopewaveError):
+    """Results that cannot be printed where they are sent."""
+
+
+class ResultError(RopewaveError, ArithmeticError):
+    """A result that is infinite or not a number: the input is beyond double precision."""
+
+
 class NameClashError(RopewaveError, ImportError):
     """Another distribution provides a package named ``asymptotics``."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asymptotics.errors import InputError
 from derivations.files import check_writable, write_file
-from derivations.plots import figure_style
+from derivations.plots import drawing
 from derivations.simulation_plots import caption, check_drawable, magnified_top, visible_end
 
 if TYPE_CHECKING:
@@ -105,7 +105,6 @@ class _Stage:
 
 
 def _images(run: Run, epsilon: float | None, report: Callable[[int], None] | None) -> list[Any]:
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from PIL import Image
@@ -115,7 +114,7 @@ def _images(run: Run, epsilon: float | None, report: Callable[[int], None] | Non
     palette = Image.new("P", (1, 1))
     palette.putpalette(_palette())
     images: list[Any] = []
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(7.0, 3.9), dpi=_DOTS_PER_INCH, layout="constrained")
         canvas = FigureCanvasAgg(figure)
         stage = _set(figure, run, epsilon, float(ends.max()))

@@ -6,11 +6,10 @@ they are ours.
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
@@ -22,21 +21,25 @@ from derivations import (
 )
 from derivations.clash import find_clash
 from derivations.options import (
+    LIST,
+    EpsilonOption,
     JsonOption,
     OmegaOption,
     OrderOption,
     PlotOption,
-    number_of,
     numbers_of,
-    order_of,
 )
+from derivations.output import guarded, json_text, note, open_streams, show, wrote
 
 app = typer.Typer(
-    add_completion=False,
-    no_args_is_help=True,
     pretty_exceptions_enable=False,
+    context_settings={"max_content_width": 100},
+    rich_markup_mode=None,  # plain help: in any terminal, and in half the time
     help="Asymptotics with a moving contact: exact, to any order, proved.",
 )
+
+# What is wrong with a command line; the class has moved between releases of typer.
+UsageError: Any = typer.BadParameter.__mro__[1]
 
 # The golden rotation: of all Ω < π the one farthest from every resonance pπ/q.
 GOLDEN = 1.941611038725466
@@ -80,20 +83,23 @@ def without_cache(error: Exception) -> None:
 
 @app.command()
 def derive(
-    order: OrderOption = "4",
+    order: OrderOption = 4,
     format: Annotated[
-        str | None, typer.Option(help="text, latex, numpy or json; without it all, or text.")
+        Literal["text", "latex", "numpy", "json"] | None,
+        typer.Option(help="Which; without it all of them with --out, or text."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the files.")] = None,
-    style: Annotated[str, typer.Option(help="cotangent, or circular: sines, cosines.")] = (
-        "cotangent"
-    ),
-    column: Annotated[str, typer.Option(help="LaTeX lines for a two- or one-column page.")] = (
-        "two"
-    ),
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder for the files.")
+    ] = None,
+    style: Annotated[
+        Literal["cotangent", "circular"], typer.Option(help="Or circular: sines, cosines.")
+    ] = "cotangent",
+    column: Annotated[
+        Literal["one", "two"], typer.Option(help="LaTeX lines for a one- or two-column page.")
+    ] = "two",
     plot: PlotOption = None,
-    omega: Annotated[str, typer.Option(metavar="Ω", help="Ω of the plot.")] = str(GOLDEN),
-    epsilon: Annotated[str, typer.Option(metavar="ε", help="ε of the plot.")] = "0.1",
+    omega: Annotated[float, typer.Option(metavar="Ω", help="Ω of the plot.")] = GOLDEN,
+    epsilon: Annotated[float, typer.Option(metavar="ε", help="ε of the plot.")] = 0.1,
     cache: Annotated[bool, typer.Option(help="Keep and reuse derivations.")] = True,
     as_json: JsonOption = False,
 ) -> None:
@@ -103,17 +109,16 @@ def derive(
     from derivations.formats import as_json as json_object
     from derivations.progress import progress
 
-    formats = _formats(format, out, FORMATS)
-    N = order_of(order)
+    formats = (format,) if format is not None else ("text",) if out is None else FORMATS
     written: list[Path] = []
     if out is not None:
         check_folder(out)
     if plot is not None:  # first: it is quick, and knows whether Ω and ε make sense
         from derivations.plots import plot_period
 
-        plot_period(number_of("--omega", omega), number_of("--epsilon", epsilon), N, plot)
+        plot_period(omega, epsilon, order, plot)
         written.append(plot)
-    forms, proofs = _derivation(N, style, column, cache, quiet=as_json)
+    forms, proofs = _derivation(order, style, cache, quiet=as_json)
     pages: dict[str, dict[str, str]] = {}
     if out is not None:
         with progress("writing", len(formats), quiet=as_json) as report:
@@ -124,31 +129,20 @@ def derive(
     if as_json:
         result = json_object(forms, proofs)
         result["files"] = [str(path) for path in written]
-        print(json.dumps(result))
+        print(json_text(result))
         return
     shown = "text" if out is not None else formats[0]
     text = "\n".join((pages.get(shown) or render(forms, proofs, shown, column)).values())
     if out is not None and len(text) > SCREEN:
         text = "\n".join(str(proof) for proof in proofs) + "\n"
     print(text, end="")
-    for path in written:
-        print(f"wrote {path}", file=sys.stderr)
+    wrote(*written)
 
 
-def _formats(format: str | None, out: Path | None, known: tuple[str, ...]) -> tuple[str, ...]:
-    from asymptotics.errors import InputError
-
-    if format is None:
-        return known if out is not None else ("text",)
-    if format not in known:
-        raise InputError(f"--format {format!r}: choose one of {', '.join(known)}")
-    return (format,)
-
-
-def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -> tuple[Any, Any]:
-    """Closed forms and their proofs; arguments are checked before any long work."""
-    from asymptotics.closed_form import ClosedForms, check_style
-    from asymptotics.errors import InputError, UnwritableError
+def _derivation(order: int, style: str, cache: bool, quiet: bool) -> tuple[Any, Any]:
+    """Closed forms and their proofs."""
+    from asymptotics.closed_form import ClosedForms
+    from asymptotics.errors import UnwritableError
     from asymptotics.expansion import expand
     from asymptotics.problem import exact_string
     from asymptotics.profile import moving_frame
@@ -156,9 +150,6 @@ def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -
     from asymptotics.storage import derive as derive_saved
     from derivations.progress import progress
 
-    check_style(style)
-    if column not in ("one", "two"):
-        raise InputError(f"--column {column!r}: choose one or two")
     problem = exact_string()
     folder = cache_folder(problem.name) if cache else None
     with progress("deriving", order, quiet) as report:
@@ -179,12 +170,12 @@ def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -
 @app.command()
 def evaluate(
     omega: OmegaOption,
-    epsilon: Annotated[str, typer.Option(metavar="ε", help="Forcing amplitude, units of Z₀.")],
-    order: OrderOption = "4",
-    s: Annotated[str, typer.Option(help="Positions (x − x_c)/x₀ ≤ 0, comma-separated.")] = (
-        "-1,-0.75,-0.5,-0.25,0"
-    ),
-    tau: Annotated[str, typer.Option(help="Times ct/x₀, comma-separated.")] = "0",
+    epsilon: EpsilonOption,
+    order: OrderOption = 4,
+    s: Annotated[
+        str, typer.Option(metavar=LIST, help="Positions (x − x_c)/x₀ ≤ 0.")
+    ] = "-1,-0.75,-0.5,-0.25,0",
+    tau: Annotated[str, typer.Option(metavar=LIST, help="Times ct/x₀.")] = "0",
     plot: PlotOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -195,32 +186,29 @@ def evaluate(
         from derivations.plots import check_plot_path
 
         check_plot_path(plot)
-    point = (number_of("--omega", omega), number_of("--epsilon", epsilon), order_of(order))
+    point = (omega, epsilon, order)
     result = compute(*point, numbers_of("--s", s), numbers_of("--tau", tau))
     if plot is not None:
         from derivations.plots import plot_period
 
         plot_period(*point, plot)
-    if as_json:
-        fields = {
-            "command": "evaluate",
-            "omega": result.omega,
-            "epsilon": result.epsilon,
-            "order": result.order,
-            "s": result.s.tolist(),
-            "tau": result.tau.tolist(),
-            "contact": result.contact.tolist(),
-            "profile": result.profile.tolist(),
-        }
-        print(json.dumps(fields))
-        return
-    print(f"Omega = {result.omega:g}, epsilon = {result.epsilon:g}, order {result.order}")
+    fields = {
+        "command": "evaluate",
+        "omega": result.omega,
+        "epsilon": result.epsilon,
+        "order": result.order,
+        "s": result.s.tolist(),
+        "tau": result.tau.tolist(),
+        "contact": result.contact.tolist(),
+        "profile": result.profile.tolist(),
+    }
+    lines = [f"Omega = {result.omega:g}, epsilon = {result.epsilon:g}, order {result.order}"]
     heads = ["tau", "x_c/x0", *(f"w/Z0(s={value:g})" for value in result.s)]
-    print("  ".join(f"{head:>16}" for head in heads))
+    lines.append("  ".join(f"{head:>16}" for head in heads))
     for time, contact, row in zip(result.tau, result.contact, result.profile, strict=True):
-        print("  ".join(f"{value:16.10g}" for value in (time, contact, *row)))
-    if plot is not None:
-        print(f"wrote {plot}", file=sys.stderr)
+        lines.append("  ".join(f"{value:16.10g}" for value in (time, contact, *row)))
+    show(fields, "\n".join(lines), as_json)
+    wrote(plot)
 
 
 app.command()(resonance_commands.resonances)
@@ -247,26 +235,74 @@ def regenerate(
         return
     lines = differences()
     if lines:
-        print("\n".join(lines), file=sys.stderr)
-        print("run: python -m derivations, and look at what changed", file=sys.stderr)
+        note("\n".join(lines))
+        note("run: python -m derivations, and look at what changed")
         raise typer.Exit(1)
     print("every committed artefact is what the engine yields now")
 
 
+def _print_version(asked: bool) -> None:
+    from importlib.metadata import PackageNotFoundError, version
+
+    if asked:
+        try:
+            number = version("ropewave")
+        except PackageNotFoundError:
+            number = "(a source tree, not installed)"
+        print(f"ropewave {number}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", is_eager=True, callback=_print_version, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
+    pass
+
+
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command; errors of ours are one line on standard error, exit code 2."""
+    """Run the command; whatever stands in the way is one line on standard error, exit code 2."""
     clash = find_clash()
     if clash is not None:
-        print(f"ropewave: error: {clash}", file=sys.stderr)
+        note(f"ropewave: error: {clash}")
         raise SystemExit(2)
     from asymptotics.errors import RopewaveError
     from numerics.errors import NumericsError
 
     try:
-        app(args=arguments, prog_name="ropewave")
+        open_streams()
+        code = guarded(lambda: _run(arguments))
     except (RopewaveError, NumericsError) as error:
-        print(f"ropewave: error: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
+        _fail(str(error))
+    except UsageError as error:
+        _fail(_usage(error))
+    except MemoryError:
+        _fail("out of memory: ask for fewer points, a lower order or a coarser grid")
+    raise SystemExit(code)
+
+
+def _run(arguments: list[str] | None) -> int:
+    """The exit code; without arguments, help."""
+    given = sys.argv[1:] if arguments is None else arguments
+    return app(args=given or ["--help"], prog_name="ropewave", standalone_mode=False) or 0
+
+
+def _usage(error: Any) -> str:
+    """What is wrong with the command line, with what was given where the message leaves it out."""
+    message = error.format_message().replace("Value error, ", "")
+    found: Any = getattr(error.__cause__, "errors", list)()
+    given = repr(found[0]["input"]) if found else ""
+    return message if given in message else f"{message}, not {given}"
+
+
+def _fail(message: str) -> NoReturn:
+    note(f"ropewave: error: {' '.join(message.split())}")
+    raise SystemExit(2) from None
 
 
 if __name__ == "__main__":

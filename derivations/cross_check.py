@@ -18,7 +18,7 @@ import numpy as np
 from derivations.cross_check_data import Comparison, against_exact_string
 from derivations.cross_check_forms import beam_form, string_form
 from derivations.cross_check_runs import against_simulator
-from derivations.plots import check_plot_path, figure_style, save_figure
+from derivations.plots import check_plot_path, drawing, save_figure
 from numerics.contact import Scheme
 
 GOLDEN = math.pi * (math.sqrt(5) - 1) / 2
@@ -83,7 +83,6 @@ def table(found: Sequence[Comparison]) -> str:
 
 def draw(found: Sequence[Comparison], dx: float) -> Any:
     """A panel each: errors of ξ_c filled, of W hollow, those beside the judgement pale."""
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     titles = (
@@ -91,7 +90,7 @@ def draw(found: Sequence[Comparison], dx: float) -> Any:
         rf"simulator, $\beta=0$, $\Delta\xi={dx:g}$",
         rf"simulator, $\beta={BETA:g}$, $\Delta\xi={dx:g}$",
     )
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(10.2, 4.0), layout="constrained")
         panels = figure.subplots(1, len(found))
         for axes, one, title in zip(panels, found, titles, strict=True):

@@ -2,37 +2,44 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from derivations.options import JsonOption, order_of
+from derivations.options import JsonOption
+from derivations.output import show, wrote
 
 if TYPE_CHECKING:
     from derivations.figure2_points import Point
+
+SECONDS = {True: 2.0, False: 20.0}
+"""Of processor time that a point takes, more or less, coarse or not."""
 
 
 def figure2(
     coarse: Annotated[
         bool, typer.Option("--coarse", help="A sixth of the points, no error bars: a minute.")
     ] = False,
-    out: Annotated[Path, typer.Option(help="The figure: .png, .pdf or .svg.")] = Path(
-        "figure2.png"
-    ),
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="The figure: .png, .pdf or .svg.")
+    ] = Path("figure2.png"),
     data: Annotated[
         Path | None,
-        typer.Option(help="Folder to keep the points in and resume from, or a collected .json."),
+        typer.Option(
+            metavar="FOLDER|FILE",
+            help="Folder to keep the points in and resume from, or a collected .json.",
+        ),
     ] = None,
     collect: Annotated[
-        Path | None, typer.Option(help="Also write all points as one .json.")
+        Path | None, typer.Option(metavar="FILE", help="Also write all points as one .json.")
     ] = None,
     tables: Annotated[
-        Path | None, typer.Option(help="Also write the tables, as markdown: .md.")
+        Path | None, typer.Option(metavar="FILE", help="Also write the tables, as markdown: .md.")
     ] = None,
-    workers: Annotated[str, typer.Option(help="Processes that compute.")] = "1",
+    workers: Annotated[
+        int, typer.Option(metavar="COUNT", min=1, help="Processes that compute.")
+    ] = 1,
     as_json: JsonOption = False,
 ) -> None:
     """Compute where the wave-less state is lost, and draw it against every law."""
@@ -43,14 +50,13 @@ def figure2(
     from derivations.files import check_writable, write_file
     from derivations.plots import check_plot_path
 
-    count = order_of(workers, "--workers")
     check_plot_path(out)
     if tables is not None and tables.suffix != ".md":
         raise InputError(f"--tables {tables}: the file's name ends in .md")
     for path in (collect, tables):
         if path is not None:
             check_writable(path)
-    points, coarse = _points(coarse, data, count, as_json)
+    points, coarse = _points(coarse, data, workers, as_json)
     written = [out]
     plot_figure2(points, out)
     if collect is not None:
@@ -61,18 +67,14 @@ def figure2(
     if tables is not None:
         written.append(_write_tables(points, coarse, tables))
     fits = exponents(points)
-    if as_json:
-        print(json.dumps(_report(points, fits, all_laws(), coarse, written)))
-        return
-    print(_text(points, fits))
-    for path in written:
-        print(f"wrote {path}", file=sys.stderr)
+    show(_report(points, fits, all_laws(), coarse, written), _text(points, fits), as_json)
+    wrote(*written)
 
 
 def _points(coarse: bool, data: Path | None, workers: int, quiet: bool) -> tuple[list[Point], bool]:
     """Read a collected file, or compute, in memory when coarse and without a folder."""
     from derivations.figure2 import compute, read_collected, tasks
-    from derivations.progress import announce_compiling, progress
+    from derivations.progress import announce, announce_compiling, progress
 
     if data is not None and data.suffix == ".json":
         return read_collected(data)
@@ -85,7 +87,9 @@ def _points(coarse: bool, data: Path | None, workers: int, quiet: bool) -> tuple
 
         data = cache_folder("figure2")
     folder = None if data is None else data / ("coarse" if coarse else "working")
-    with progress("figure 2", len(tasks(coarse)), quiet, fine=True) as tell:
+    count = len(tasks(coarse))
+    announce(f"{count} points, less those kept", count * SECONDS[coarse] / workers)
+    with progress("figure 2", count, quiet, fine=True) as tell:
         return compute(coarse, folder, workers, lambda done, _: tell(done)), coarse
 
 

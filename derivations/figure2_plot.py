@@ -13,7 +13,7 @@ from derivations.figure2 import centres
 from derivations.figure2_fits import Curve, approach, base_middle, curves
 from derivations.figure2_laws import Family, Law, laws
 from derivations.figure2_points import Point
-from derivations.plots import check_plot_path, figure_style, save_figure
+from derivations.plots import check_plot_path, drawing, save_figure
 
 # Okabe and Ito's colours: told apart without red and green, and in grey.
 COLOURS = {0.01: "#0072B2", 0.001: "#D55E00", 1e-4: "#CC79A7", 0.0: "#117755"}
@@ -51,10 +51,9 @@ def plot_figure2(points: Sequence[Point], path: Path) -> None:
         The file's name ends in something else than .png, .pdf or .svg, or cannot be written.
     """
     check_plot_path(path)
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    with rc_context({**figure_style(), "font.size": 8, "lines.linewidth": 1.1}):
+    with drawing(font_size=8, lines_linewidth=1.1):
         figure = Figure(figsize=(7.2, 8.6))
         margins = {"left": 0.082, "right": 0.985, "top": 0.99, "bottom": 0.045}
         grid = figure.add_gridspec(

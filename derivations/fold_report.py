@@ -170,10 +170,9 @@ def plot_fold(result: Fold, path: Path) -> None:
         A file name that cannot be drawn, or written.
     """
     plots.check_plot_path(path)
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    with rc_context(plots.figure_style()):
+    with plots.drawing():
         figure = Figure(figsize=(7.0, 3.2), layout="constrained")
         left, right = figure.subplots(1, 2)
         _draw_law(left, result)

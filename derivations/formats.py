@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from asymptotics.closed_form import ClosedForms
 from asymptotics.errors import InputError
 from asymptotics.proof import OrderProof
 from derivations.files import write_file
+from derivations.output import json_text
 
 FORMATS = ("text", "latex", "numpy", "json")
 
@@ -31,7 +31,7 @@ def render(
     if format == "text":
         return {f"{stem}.txt": as_text(forms, proofs)}
     if format == "json":
-        return {f"{stem}.json": json.dumps(as_json(forms, proofs), indent=1) + "\n"}
+        return {f"{stem}.json": json_text(as_json(forms, proofs), indent=1) + "\n"}
     if format == "numpy":
         from asymptotics.numpy_code import numpy_module
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import logging
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,36 @@ from derivations.files import check_writable, write_file
 SUFFIXES = {".png", ".pdf", ".svg"}
 # The state is even in time: the second half of a period retraces the first.
 _PHASES = ("0", r"\frac{1}{8}", r"\frac{1}{4}", r"\frac{3}{8}", r"\frac{1}{2}")
+
+
+_STYLE = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.8,
+    "lines.linewidth": 1.4,
+    "mathtext.fontset": "cm",
+    "svg.hashsalt": "ropewave",
+    "pdf.fonttype": 42,
+}
+
+
+@contextmanager
+def drawing(**changes: Any) -> Iterator[None]:
+    """Draw and write within this: matplotlib's defaults, our sizes, and no word of the user's.
+
+    A matplotlibrc may ask for TeX, other fonts or margins; here figures are the same bytes for all.
+    ``changes`` have underscores for dots: ``font_size=8``.
+    """
+    from matplotlib import rc_context, rcParamsDefault
+
+    settings: dict[Any, Any] = {
+        name: value for name, value in rcParamsDefault.items() if not name.startswith("backend")
+    }
+    settings.update(_STYLE)
+    settings.update((name.replace("_", ".", 1), value) for name, value in changes.items())
+    with rc_context(settings):
+        yield
 
 
 def check_plot_path(path: Path) -> Path:
@@ -38,12 +70,10 @@ def save_figure(figure: Any, path: Path) -> None:
         ".pdf": {"CreationDate": None},
         ".svg": {"Date": None},
     }[suffix]
-    from matplotlib import rc_context
-
     # Embedding fonts, fontTools warns of the time stamps inside them.
     logging.getLogger("fontTools").setLevel(logging.ERROR)
     drawn = io.BytesIO()
-    with rc_context(figure_style()):
+    with drawing():
         figure.savefig(drawn, format=suffix[1:], dpi=200, metadata=metadata)
     write_file(path, drawn.getvalue())
 
@@ -69,25 +99,11 @@ def _positive(value: Any) -> bool:
         return False
 
 
-def figure_style() -> Any:
-    """What all figures share: sizes for print, light axes, deterministic SVG."""
-    return {
-        "font.size": 9,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "axes.linewidth": 0.8,
-        "lines.linewidth": 1.4,
-        "mathtext.fontset": "cm",
-        "svg.hashsalt": "ropewave",
-        "pdf.fonttype": 42,
-    }
-
-
 def _period_figure(result: Evaluation, period: float) -> Any:
-    from matplotlib import colormaps, rc_context
+    from matplotlib import colormaps
     from matplotlib.figure import Figure
 
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(7.0, 2.9), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
         colours = colormaps["cividis"](np.linspace(0.0, 0.9, len(_PHASES)))

@@ -8,23 +8,31 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from derivations.output import note
+
 PATIENCE = 1.0
 """Seconds before anything is shown."""
 
+QUIET_PATIENCE = 15.0
+"""The same where only a program reads on: standard error is for people all the same."""
+
 LINE_EVERY = 5.0
 """Seconds between two lines of work with many small steps."""
+
+ANNOUNCED = 30.0
+"""Seconds of work that are announced before they begin."""
 
 
 @contextmanager
 def progress(
     title: str, total: float, quiet: bool = False, fine: bool = False
-) -> Iterator[Callable[[float], None]]:
-    """A function to call with the number of steps done, out of ``total``.
+) -> Iterator[Callable[..., None]]:
+    """A function to call with the number of steps done, out of ``total``, and perhaps a word on it.
 
     On a terminal it moves a bar; elsewhere it writes a line a step, so that logs stay readable.
-    ``quiet`` (for machine-read output) keeps it to terminals. ``fine`` is for steps that are many
+    ``quiet`` (for machine-read output) has more patience there. ``fine`` is for steps that are many
     and alike: it tells the time left, as the steps since the first call let expect it, and writes a
-    line every few seconds only.
+    line every few seconds only; so does a word.
     """
     started = time.monotonic()
     if sys.stderr.isatty():
@@ -40,9 +48,10 @@ def progress(
         ) as bar:
             task = bar.add_task(title, total=total, visible=False)
 
-            def advance(done: float) -> None:
+            def advance(done: float, word: str = "") -> None:
                 late = time.monotonic() - started > PATIENCE
-                bar.update(task, completed=done, visible=late)
+                described = f"{title}, {word}" if word else title
+                bar.update(task, completed=done, visible=late, description=described)
 
             yield advance
         return
@@ -50,20 +59,24 @@ def progress(
     shown = started + PATIENCE - LINE_EVERY
     first: tuple[float, float] | None = None
 
-    def report(done: float) -> None:
+    def report(done: float, word: str = "") -> None:
         nonlocal shown, first
         now = time.monotonic()
         elapsed = now - started
         # Before the first call there was compiling, and what was done already was not done now.
         first = (now, done) if first is None else first
-        if quiet or elapsed <= PATIENCE or (fine and now < shown + LINE_EVERY):
+        if elapsed <= (QUIET_PATIENCE if quiet else PATIENCE):
+            return
+        if (fine or word) and now < shown + LINE_EVERY:
             return
         shown = now
         text = f"{done}/{total} ({elapsed:.1f} s)"
         if fine:
             left = remaining(now - first[0], done - first[1], total - done)
             text = f"{percentage(done / total)} % ({elapsed:.1f} s{left})"
-        print(f"{title}: {text}", file=sys.stderr, flush=True)
+        if word:
+            text = f"{text}, {word}"
+        note(f"{title}: {text}")
 
     yield report
 
@@ -81,15 +94,28 @@ def remaining(seconds: float, done: float, left: float) -> str:
     """How long it will take to do what is left, in the unit that suits; nothing if none tells.
 
     >>> remaining(10.0, 0.5, 2.0), remaining(10.0, 1e-6, 1.0), remaining(3.0, 0.0, 1.0)
-    (', 40 s left', ', 116 d left', '')
+    (', 40 s left', ', 120 days left', '')
     """
-    if done <= 0:
-        return ""
-    time_left = seconds / done * left
-    for unit, length in (("s", 1), ("min", 60), ("h", 3600), ("d", 86400)):
-        if time_left < 120 * length or unit == "d":
-            return f", {time_left / length:.0f} {unit} left"
-    return ""
+    return f", {duration(seconds / done * left)} left" if done > 0 else ""
+
+
+def duration(seconds: float) -> str:
+    """To two digits, in the unit that suits.
+
+    >>> duration(41.6), duration(4000.0), duration(1e10)
+    ('42 s', '67 minutes', '310 years')
+    """
+    unit, length = next((unit for unit in _UNITS if seconds < 100 * unit[1]), _UNITS[-1])
+    return f"{float(f'{seconds / length:.2g}'):g} {unit}"
+
+
+_UNITS = (("s", 1.0), ("minutes", 60.0), ("hours", 3600.0), ("days", 86400.0), ("years", 3.2e7))
+
+
+def announce(what: str, seconds: float) -> None:
+    """Say how long work will take, roughly, where that is long: even before its first step."""
+    if seconds > ANNOUNCED:
+        note(f"{what}: roughly {duration(seconds)}; Ctrl-C ends it")
 
 
 class _Announcer(logging.Handler):
@@ -98,7 +124,7 @@ class _Announcer(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Print it."""
         logging.getLogger(record.name).removeHandler(self)
-        print(record.getMessage(), file=sys.stderr, flush=True)
+        note(record.getMessage())
 
 
 def announce_compiling(quiet: bool) -> None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -16,18 +14,19 @@ from derivations.options import (
     LatexOption,
     OrderOption,
     PlotOption,
-    number_of,
-    order_of,
 )
+from derivations.output import show, wrote
 
 Ratio = Annotated[str, typer.Argument(metavar="P/Q", help="The resonance, e.g. 1/2.")]
 
 
 def resonances(
-    beta: BetaOption = "0",
+    beta: BetaOption = 0.0,
     driven_end: EndOption = "pinned",
-    count: Annotated[str, typer.Option(help="How many linear resonances.")] = "5",
-    order: OrderOption = "3",
+    count: Annotated[
+        int, typer.Option(metavar="COUNT", min=1, help="How many linear resonances.")
+    ] = 5,
+    order: OrderOption = 3,
     plot: PlotOption = None,
     latex: LatexOption = None,
     as_json: JsonOption = False,
@@ -36,9 +35,7 @@ def resonances(
     from derivations import resonance_report as report
 
     check_extras(latex, plot)
-    table = report.resonance_table(
-        number_of("--beta", beta), driven_end, order_of(count, "--count"), order_of(order)
-    )
+    table = report.resonance_table(beta, driven_end, count, order)
     if plot is not None:
         report.plot_spectrum(plot, table)
     show(report.as_json(table), report.as_text(table), as_json)
@@ -47,7 +44,7 @@ def resonances(
 
 def tongue(
     ratio: Ratio,
-    order: OrderOption = "3",
+    order: OrderOption = 3,
     plot: PlotOption = None,
     latex: LatexOption = None,
     as_json: JsonOption = False,
@@ -59,7 +56,7 @@ def tongue(
 
     check_extras(latex, plot)
     p, q = parse_fraction(ratio)
-    result = compute(p, q, order_of(order))
+    result = compute(p, q, order)
     if plot is not None:
         report.plot_tongues([(p, q)], result.order, plot)
     show(report.as_json(result), report.as_text(result), as_json)
@@ -68,7 +65,7 @@ def tongue(
 
 def fold(
     ratio: Ratio,
-    beta: BetaOption = "0.01",
+    beta: BetaOption = 0.01,
     driven_end: EndOption = "pinned",
     plot: PlotOption = None,
     latex: LatexOption = None,
@@ -81,16 +78,11 @@ def fold(
 
     check_extras(latex, plot)
     p, q = parse_fraction(ratio)
-    result = compute(p, q, number_of("--beta", beta), driven_end)
+    result = compute(p, q, beta, driven_end)
     if plot is not None:
         report.plot_fold(result, plot)
     show(result.as_json(), report.fold_text(result), as_json)
     write_extras(latex, report.fold_table([result]), plot)
-
-
-def show(fields: dict[str, Any], text: str, as_json: bool) -> None:
-    """One JSON object, or text."""
-    print(json.dumps(fields) if as_json else text.rstrip("\n"))
 
 
 def check_extras(latex: Path | None, plot: Path | None) -> None:
@@ -108,8 +100,6 @@ def write_extras(latex: Path | None, table: str, plot: Path | None) -> None:
     """Write the LaTeX table where one is asked for, and say what was written."""
     from derivations.formats import write_files
 
-    written = [] if plot is None else [plot]
+    wrote(plot)
     if latex is not None:
-        written += write_files({latex.name: table.rstrip("\n") + "\n"}, latex.parent)
-    for path in written:
-        print(f"wrote {path}", file=sys.stderr)
+        wrote(*write_files({latex.name: table.rstrip("\n") + "\n"}, latex.parent))

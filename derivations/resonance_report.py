@@ -272,12 +272,11 @@ _DRAWN = 6  # the largest q drawn
 
 
 def _figure(drawn: dict[Any, Any], table: ResonanceTable) -> Any:
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    from derivations.plots import figure_style
+    from derivations.plots import drawing
 
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(7.0, 3.4), layout="constrained")
         left, right = figure.subplots(1, 2)
         _draw_resonances(left, drawn, table)

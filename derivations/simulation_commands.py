@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import importlib
 import os
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from derivations.options import (
-    BetaOption,
     EndOption,
+    EpsilonOption,
     JsonOption,
     OmegaOption,
     PlotOption,
-    number_of,
+    RopeBetaOption,
 )
-from derivations.resonance_commands import show
+from derivations.output import note, show, wrote
 
 if TYPE_CHECKING:
     from derivations.simulation_run import Watched
@@ -30,88 +29,95 @@ INTERRUPTED = 130
 
 def simulate(
     omega: OmegaOption,
-    epsilon: Annotated[str, typer.Option(metavar="ε", help="Forcing amplitude, units of Z₀.")],
-    beta: BetaOption = "0.01",
+    epsilon: EpsilonOption,
+    beta: RopeBetaOption = 0.01,
     periods: Annotated[
-        str | None, typer.Option(help="Forcing periods in all; default: ramp + 10.")
+        float | None,
+        typer.Option(metavar="COUNT", help="Forcing periods in all; default: ramp + 10."),
     ] = None,
-    ramp: Annotated[str, typer.Option(help="Periods over which ε rises; 0: at once.")] = "20",
+    ramp: Annotated[
+        float,
+        typer.Option(metavar="COUNT", min=0, help="Periods over which ε rises; 0: at once."),
+    ] = 20.0,
     keep: Annotated[
-        str, typer.Option(help="Periods at the end that go to --out, --plot, --animate.")
-    ] = "4",
+        float,
+        typer.Option(metavar="COUNT", help="Periods at the end for --out, --plot, --animate."),
+    ] = 4.0,
     dx: Annotated[
-        str | None, typer.Option(help="Spacing; default: 0.01, or round below √β/20.")
+        float | None,
+        typer.Option(metavar="Δξ", help="Spacing; default: 0.01, or round below √β/20."),
     ] = None,
-    dt: Annotated[str | None, typer.Option(help="Time step; default: dx, or stable.")] = None,
-    length: Annotated[str, typer.Option(help="Of the domain, in x₀.")] = "8",
-    sponge: Annotated[str, typer.Option(help="Its last part, which absorbs waves.")] = "3",
+    dt: Annotated[
+        float | None, typer.Option(metavar="Δτ", help="Time step; default: dx, or stable.")
+    ] = None,
+    length: Annotated[float, typer.Option(metavar="LENGTH", help="Of the domain, in x₀.")] = 8.0,
+    sponge: Annotated[
+        float, typer.Option(metavar="LENGTH", min=0, help="Its last part, which absorbs waves.")
+    ] = 3.0,
     scheme: Annotated[
-        str, typer.Option(help="trapezoidal (implicit) or verlet (explicit).")
+        Literal["trapezoidal", "verlet"], typer.Option(help="Implicit, or explicit.")
     ] = "trapezoidal",
     driven_end: EndOption = "pinned",
-    damping: Annotated[str, typer.Option(help="ζ: free waves decay as exp(−ζτ).")] = "0",
-    restitution: Annotated[str, typer.Option(help="0 … 1, of speed in an impact.")] = "0",
-    out: Annotated[Path | None, typer.Option(help="Write a netCDF file, .nc.")] = None,
+    damping: Annotated[
+        float, typer.Option(metavar="ζ", min=0, help="Free waves decay as exp(−ζτ).")
+    ] = 0.0,
+    restitution: Annotated[
+        float, typer.Option(metavar="r", min=0, max=1, help="Of speed in an impact.")
+    ] = 0.0,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a netCDF file, .nc.")
+    ] = None,
     plot: PlotOption = None,
-    animate: Annotated[Path | None, typer.Option(help="Write an animation, .gif.")] = None,
+    animate: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write an animation, .gif.")
+    ] = None,
     checkpoint: Annotated[
-        Path | None, typer.Option(help="Save the state here as it goes, and resume from it.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Save the state here as it goes, and resume from it."),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate a rope that is shaken: does it follow, or does it shed waves?"""
     need("numba")
     from derivations import simulation_report as report
-    from derivations.progress import announce_compiling, progress
-    from derivations.simulation_run import default_dx, drive_of, watch
+    from derivations.progress import announce, announce_compiling, progress
+    from derivations.simulation_run import default_dx, drive_of, seconds, watch
     from numerics.contact import Simulator
     from numerics.problem import DrivenEnd, RopeProblem
     from numerics.semi_discrete import Grid
 
-    amplitude = number_of("--epsilon", epsilon)
-    rise = number_of("--ramp", ramp)
-    drive = drive_of(number_of("--omega", omega), amplitude, rise)
-    problem = RopeProblem(
-        number_of("--beta", beta),
-        drive,
-        DrivenEnd(driven_end),
-        number_of("--damping", damping),
-        number_of("--restitution", restitution),
-    )
-    grid = Grid(
-        default_dx(problem.beta) if dx is None else number_of("--dx", dx),
-        number_of("--length", length),
-        number_of("--sponge", sponge),
-    )
-    step = None if dt is None else number_of("--dt", dt)
-    total = rise + 10 if periods is None else number_of("--periods", periods)
+    drive = drive_of(omega, epsilon, ramp)
+    problem = RopeProblem(beta, drive, DrivenEnd(driven_end), damping, restitution)
+    grid = Grid(default_dx(problem.beta) if dx is None else dx, length, sponge)
+    total = ramp + 10 if periods is None else periods
     announce_compiling(as_json)
-    simulator = Simulator(problem, grid, step, scheme)
+    simulator = Simulator(problem, grid, dt, scheme)
     _check_files(simulator, total * drive.period, out, plot, animate, checkpoint)
     try:
         with progress("simulating", 1.0, as_json, fine=True) as tell:
             watched = watch(
                 problem,
-                amplitude,
-                rise,
+                epsilon,
+                ramp,
                 total,
                 grid,
-                step,
+                dt,
                 scheme,
-                number_of("--keep", keep),
+                keep,
                 checkpoint,
                 lambda done, last: tell(done / last),
+                lambda nodes, steps: announce(
+                    f"{steps} steps of {nodes} nodes", seconds(nodes, steps, scheme)
+                ),
             )
     except KeyboardInterrupt:
         if checkpoint is not None:
-            print(f"interrupted; the same command goes on from {checkpoint}", file=sys.stderr)
+            note(f"interrupted; the same command goes on from {checkpoint}")
         raise typer.Exit(INTERRUPTED) from None
     # First what was found: a full disk does not take it away.
     show(report.as_json(watched), report.as_text(watched), as_json)
     _write(watched, out, plot, animate, as_json)
-    for path in (out, plot, animate):
-        if path is not None:
-            print(f"wrote {path}", file=sys.stderr)
+    wrote(out, plot, animate)
 
 
 def need(package: str) -> None:

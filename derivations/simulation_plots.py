@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asymptotics.errors import InputError
-from derivations.plots import check_plot_path, figure_style, save_figure
+from derivations.plots import check_plot_path, drawing, save_figure
 
 if TYPE_CHECKING:
     from numerics.simulation import Run
@@ -54,10 +54,9 @@ def check_drawable(run: Run) -> None:
 
 def run_figure(run: Run, epsilon: float | None = None) -> Any:
     """The figure that :func:`plot_run` writes."""
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(7.0, 7.2), layout="constrained")
         parts: Any = figure.subfigures(2, 1, height_ratios=(5.2, 2.0))
         upper, lower = parts

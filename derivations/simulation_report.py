@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from enum import Enum
 from typing import TYPE_CHECKING, Any
 
+from derivations.output import finite
 from derivations.simulation_run import Bump, Verdict, Watched
 from numerics.contact import Scheme
 
@@ -63,23 +62,6 @@ def unexplained(watched: Watched) -> float:
     """The change of energy since the start that the ledger does not explain."""
     energy, work, damped, lost = watched.run.ledger
     return float(energy - watched.rest[1] - work + damped + lost)
-
-
-def finite(value: Any) -> Any:
-    """Plain numbers, words, lists and objects, with null for numbers that JSON does not have.
-
-    >>> finite({"a": math.nan, "b": [1, 2.5, "c", None]})
-    {'a': None, 'b': [1, 2.5, 'c', None]}
-    """
-    if isinstance(value, dict):
-        return {name: finite(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(part) for part in value]
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, str | int | None):
-        return value
-    return float(value) if math.isfinite(value) else None
 
 
 def _bump(bump: Bump | None) -> dict[str, float] | None:

@@ -16,7 +16,15 @@ import numpy as np
 
 from derivations.simulation_plots import FRAMES_PER_PERIOD
 from numerics.checkpoint import save_checkpoint, saving, start_or_resume
-from numerics.contact import Block, Scheme, Simulator, equilibrium, steps_until, stride
+from numerics.contact import (
+    Block,
+    Scheme,
+    Simulator,
+    check_resolution,
+    equilibrium,
+    steps_until,
+    stride,
+)
 from numerics.drive import Drive, cosine, non_negative, positive, ramped_cosine
 from numerics.errors import InputError
 from numerics.events import Event, EventFinder, EventKind
@@ -25,9 +33,6 @@ from numerics.problem import RopeProblem
 from numerics.pulses import smallest_wave
 from numerics.semi_discrete import Grid
 from numerics.simulation import Run, follow
-
-LEAST_STEPS = 20
-"""Steps that a forcing period must have at least."""
 
 
 class Verdict(Enum):
@@ -148,6 +153,15 @@ def _bump(run: Run, row: int) -> Bump:
     return Bump(float(height), float(place), float(run.times[row]))
 
 
+def seconds(nodes: int, steps: float, scheme: str) -> float:
+    """How long so many steps take, roughly: waves, and the machine, make up to ten of it.
+
+    >>> seconds(1000, 1e6, "trapezoidal")
+    20.0
+    """
+    return nodes * steps * (2e-8 if scheme == Scheme.TRAPEZOIDAL.value else 3e-9)
+
+
 def default_dx(beta: float) -> float:
     """0.01, or the next round number below √β/20 where that is less.
 
@@ -185,12 +199,13 @@ def watch(
     keep: float = 4.0,
     checkpoint: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
+    begin: Callable[[int, int], None] | None = None,
 ) -> Watched:
     """Simulate ``periods`` forcing periods from rest, and keep the last ``keep`` of them.
 
     With a ``checkpoint`` the run is resumed where the file exists, saved every few seconds until
     the periods to be kept begin, and saved when it is interrupted (Ctrl-C), which then raises
-    KeyboardInterrupt.
+    KeyboardInterrupt. ``begin`` is told the nodes and the steps to be done, before the first.
 
     Raises
     ------
@@ -216,11 +231,7 @@ def watch(
         simulator = Simulator(problem, grid, dt, scheme)
     else:
         simulator = start_or_resume(checkpoint, problem, grid, dt, scheme)
-    if simulator.dt > period / LEAST_STEPS:
-        raise InputError(
-            f"dt = {simulator.dt:.4g} is too long for a forcing period of {period:.4g}: take at "
-            f"least {LEAST_STEPS} steps a period, dt ≤ {period / LEAST_STEPS:.4g}"
-        )
+    check_resolution(simulator.dt, period)
     last = steps_until(until, simulator.dt)
     if simulator.step >= last:
         raise InputError(
@@ -228,9 +239,12 @@ def watch(
             f"{until:.6g} of these {periods:g} periods; ask for more periods, or for another file"
         )
     every = stride("snapshots", period / FRAMES_PER_PERIOD, simulator.dt)
-    window = max(last - math.ceil(positive("keep", keep) * period / simulator.dt), 0)
+    kept = min(positive("keep", keep), periods)
+    window = max(last - math.ceil(kept * period / simulator.dt), 0)
     window -= window % every
     history = _History(simulator)
+    if begin is not None:
+        begin(simulator.system.size, last - simulator.step)
     with _interruptible() as check:
 
         def done(step: int, _: int) -> None:

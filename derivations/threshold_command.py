@@ -7,52 +7,69 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from derivations.options import BetaOption, JsonOption, OmegaOption, number_of
-from derivations.resonance_commands import show
+from derivations.options import JsonOption, OmegaOption, RopeBetaOption
+from derivations.output import finite, show
 from derivations.simulation_commands import need
 
 if TYPE_CHECKING:
+    from numerics.ramped_run import Settings
     from numerics.threshold import Threshold
+
+RUNS = 10
+"""That a bracket takes, more or less."""
 
 
 def threshold(
     omega: OmegaOption,
-    beta: BetaOption = "0.01",
+    beta: RopeBetaOption = 0.01,
     dx: Annotated[
-        str | None, typer.Option(help="Spacing of the base runs; default: √β/10.")
+        float | None,
+        typer.Option(metavar="Δξ", help="Spacing of the base runs; default: √β/10."),
     ] = None,
-    relative: Annotated[str, typer.Option(help="Relative width of each bracket.")] = "0.01",
+    relative: Annotated[
+        float, typer.Option(metavar="WIDTH", min=1e-9, max=1, help="Relative width of a bracket.")
+    ] = 0.01,
     quick: Annotated[bool, typer.Option("--quick", help="The base settings only.")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """ε_c: where a ramped run loses the wave-less state, as an interval, and how."""
     need("numba")
-    from derivations.progress import announce_compiling, progress
-    from numerics.drive import non_negative
+    from derivations.progress import announce, announce_compiling, progress
     from numerics.ramped_run import base_settings
     from numerics.threshold import threshold as compute
     from numerics.threshold import variations
 
-    stiffness = non_negative("beta", number_of("--beta", beta))
-    base = base_settings(stiffness, None if dx is None else number_of("--dx", dx))
+    base = base_settings(beta, dx)
+    cases = [base] if quick else list(variations(base).values())
+    announce(*_effort(omega, beta, cases))
     announce_compiling(as_json)
-    total = 1 if quick else len(variations(base))
-    with progress("bracketing", total, as_json) as report:
-        found = compute(
-            number_of("--omega", omega),
-            stiffness,
-            base,
-            quick,
-            number_of("--relative", relative),
-            progress=lambda done, _: report(done),
-        )
+    done = 0
+    with progress("bracketing", len(cases), as_json) as report:
+
+        def advance(brackets: int, _: int) -> None:
+            nonlocal done
+            done = brackets
+            report(done)
+
+        def watching(epsilon: float, part: float) -> None:
+            report(done, f"a run at epsilon = {epsilon:.4g}, {100 * part:.0f} % of it")
+
+        found = compute(omega, beta, base, quick, relative, progress=advance, watching=watching)
     show(threshold_json(found), threshold_text(found), as_json)
+
+
+def _effort(omega: float, beta: float, cases: list[Settings]) -> tuple[str, float]:
+    """What is to be done, in words and roughly in seconds."""
+    from derivations.simulation_run import seconds
+    from numerics.ramped_run import run_length
+
+    nodes, steps = run_length(omega, beta, cases[0])
+    total = sum(RUNS * seconds(*run_length(omega, beta, case), case.scheme.value) for case in cases)
+    return f"about {RUNS * len(cases)} runs, the first of {steps} steps of {nodes} nodes", total
 
 
 def threshold_json(found: Threshold) -> dict[str, Any]:
     """All of a threshold as plain numbers and words, the brackets in ``runs``."""
-    from derivations.simulation_report import finite
-
     plain: dict[str, Any] = finite({"command": "threshold", **asdict(found)})
     return plain
 

@@ -197,17 +197,17 @@ def plot_orders(p: int, q: int, highest: int, path: Path) -> list[Tongue]:
     InputError
         p/q is reducible, ``highest`` < 2q, or a path of another kind.
     """
-    from matplotlib import colormaps, rc_context
+    from matplotlib import colormaps
     from matplotlib.figure import Figure
 
-    from derivations.plots import check_plot_path, figure_style, save_figure
+    from derivations.plots import check_plot_path, drawing, save_figure
 
     check_plot_path(path)
     if highest < 2 * q:
         raise InputError(f"highest = {highest}; several orders need at least {2 * q} at q = {q}")
     results = [tongue(p, q, order) for order in range(q, highest + 1, q)]
     limit = results[0].limit
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(7.0, 3.2), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
         distance = np.geomspace(1e-3, 1.0, 61) * _reach(results[0])
@@ -241,13 +241,12 @@ def plot_orders(p: int, q: int, highest: int, path: Path) -> list[Tongue]:
 
 
 def _figure(results: Sequence[Tongue], order: int) -> Any:
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    from derivations.plots import figure_style
+    from derivations.plots import drawing
 
-    with rc_context(figure_style()):
+    with drawing():
         figure = Figure(figsize=(7.0, 3.2), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
         for i, result in enumerate(results):

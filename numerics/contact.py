@@ -28,6 +28,9 @@ BLOCK = 1024
 """Steps between two looks at the drive; blocks start at its multiples, also after a restart."""
 
 
+LEAST_STEPS = 20
+"""Steps that a forcing period must have at least."""
+
 _MOST_STEPS = 2.0**53
 # In steps shorter than this part of dx the stiffness is lost in the rounding of 4m/dt².
 _SHORTEST = 1e-8
@@ -76,8 +79,8 @@ class Simulator:
     Raises
     ------
     InputError
-        dt ≤ 0, or beyond the stability limit; a grid that does not suit the problem; Verlet with
-        restitution and bending, where it gains energy.
+        dt ≤ 0, or beyond the stability limit; a grid that does not suit the problem; damping in
+        which nothing moves; Verlet with restitution and bending, where it gains energy.
 
     Examples
     --------
@@ -108,6 +111,12 @@ class Simulator:
             )
         self.system = rope(problem, self.grid)
         self.dt = _check_step(dt, self.system, self.scheme)
+        if problem.damping * np.finfo(float).eps > self.dt:
+            raise InputError(
+                f"damping = {problem.damping!r} lets the rope creep by less than the rounding of "
+                f"its height in a step of {self.dt:.3g}; take damping ≤ "
+                f"{self.dt / np.finfo(float).eps:.3g}"
+            )
         end = self._end(np.zeros(1), slice(None))[0]
         self.state = equilibrium(self.system, end)
         self.step = 0
@@ -258,6 +267,15 @@ def stride(name: str, duration: float, dt: float) -> int:
     3
     """
     return max(round(_steps(name, duration, dt)), 1)
+
+
+def check_resolution(dt: float, period: float) -> None:
+    """That a forcing period has LEAST_STEPS steps."""
+    if dt > period / LEAST_STEPS:
+        raise InputError(
+            f"dt = {dt:.4g} is too long for a forcing period of {period:.4g}: take at least "
+            f"{LEAST_STEPS} steps a period, dt ≤ {period / LEAST_STEPS:.4g}"
+        )
 
 
 def _steps(name: str, duration: float, dt: float) -> float:

@@ -18,6 +18,9 @@ from numerics.errors import InputError
 
 Array = NDArray[np.float64]
 
+LOWEST, HIGHEST = 1e-100, 1e100
+"""The frequencies between which Ω² and 2π/Ω, and some thousand of either, are finite."""
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -57,7 +60,7 @@ class Drive:
         if not self.label:
             raise InputError("a drive needs a label: files and checkpoints are told apart by it")
         if self.omega is not None:
-            object.__setattr__(self, "omega", positive("Omega", self.omega))
+            object.__setattr__(self, "omega", frequency(self.omega))
 
     @property
     def period(self) -> float:
@@ -162,13 +165,24 @@ def smooth_step(x: ArrayLike) -> tuple[Array, Array, Array]:
 
 def check_amplitude(omega: float, epsilon: float) -> tuple[float, float]:
     """Ω > 0 and |ε| < 1, so that the end stays above the ground."""
-    omega, epsilon = positive("Omega", omega), finite("epsilon", epsilon)
+    omega, epsilon = frequency(omega), finite("epsilon", epsilon)
     if abs(epsilon) >= 1:
         raise InputError(
             f"epsilon = {epsilon!r} takes the driven end down to Z = {1 - abs(epsilon):.3g} ≤ 0; "
             "the height 1 + ε cos Ωτ must stay above the ground: take |epsilon| < 1"
         )
     return omega, epsilon
+
+
+def frequency(omega: Any) -> float:
+    """Ω between LOWEST and HIGHEST."""
+    number = positive("Omega", omega)
+    if not LOWEST <= number <= HIGHEST:
+        raise InputError(
+            f"Omega = {omega!r}: its powers and its period leave double precision; take "
+            f"{LOWEST:g} ≤ Omega ≤ {HIGHEST:g}"
+        )
+    return number
 
 
 def finite(name: str, value: Any) -> float:

@@ -63,12 +63,7 @@ class RopeProblem:
     restitution: float = 0.0
 
     def __post_init__(self) -> None:
-        beta = non_negative("beta", self.beta)
-        if beta > 1:
-            raise InputError(
-                f"beta = {beta!r}: the simulators take 0 ≤ β ≤ 1; a stiffer rope is a beam whose "
-                "tension does not matter"
-            )
+        beta = check_stiffness(self.beta)
         if not isinstance(self.drive, Drive):
             raise InputError(f"drive = {self.drive!r}: give a Drive, such as ramped_cosine(…)")
         object.__setattr__(self, "beta", beta)
@@ -81,3 +76,14 @@ class RopeProblem:
                 "ground) to 1 (it leaves as fast as it came)"
             )
         object.__setattr__(self, "restitution", restitution)
+
+
+def check_stiffness(beta: float) -> float:
+    """0 ≤ β ≤ 1."""
+    number = non_negative("beta", beta)
+    if number > 1:
+        raise InputError(
+            f"beta = {beta!r}: the simulators take 0 ≤ β ≤ 1; a stiffer rope is a beam whose "
+            "tension does not matter"
+        )
+    return number

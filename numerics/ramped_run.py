@@ -19,10 +19,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numerics.contact import Block, Scheme, Simulator
+from numerics.contact import Block, Scheme, Simulator, check_resolution, steps_until
 from numerics.drive import (
     Array,
     Drive,
+    frequency,
     non_negative,
     positive,
     ramped_cosine,
@@ -30,11 +31,13 @@ from numerics.drive import (
 )
 from numerics.events import Event, EventFinder, EventKind, fastest_contact
 from numerics.observables import Column
-from numerics.problem import RopeProblem
+from numerics.problem import RopeProblem, check_stiffness
 from numerics.pulses import smallest_wave
-from numerics.semi_discrete import Grid
+from numerics.semi_discrete import Grid, check_spacing
 
 Envelope = Callable[[Array], Array]
+Watching = Callable[[float, float], None]
+"""Gets the amplitude of the run under way, and the part of it that is done at most."""
 
 MEMORY = 5
 """Periods over which the growth of the swing is measured."""
@@ -141,20 +144,43 @@ def base_settings(beta: float, dx: float | None = None) -> Settings:
     Raises
     ------
     InputError
-        β < 0 or dx ≤ 0.
+        β outside [0, 1]; dx ≤ 0, too coarse for β, or too fine for any machine.
 
     Examples
     --------
     >>> base_settings(0.01).dx, base_settings(0.01).height
     (0.01, 1e-05)
     """
-    beta = non_negative("beta", beta)
+    beta = check_stiffness(beta)
     if dx is None:
         dx = math.sqrt(beta) / 10 if beta > 0 else 0.01
+    check_spacing(beta, Grid(dx).dx)
     return Settings(dx, max(1e-3 * beta, smallest_wave(beta, dx)))
 
 
-def run_once(omega: float, epsilon: float, beta: float, settings: Settings) -> Outcome:
+def run_length(omega: float, beta: float, settings: Settings) -> tuple[int, int]:
+    """The nodes and, at the default dt of its scheme or the one given, the steps of a run.
+
+    >>> run_length(2.5, 0.01, base_settings(0.01))
+    (799, 10054)
+    """
+    omega, beta = frequency(omega), check_stiffness(beta)
+    dx, dt = settings.dx, settings.dt
+    if dt is None:
+        dt = dx
+        if settings.scheme is Scheme.VERLET:
+            dt = min(0.9 / math.sqrt(1 / dx**2 + 4 * beta / dx**4), dx)
+    time = (settings.ramp + settings.hold) * 2 * math.pi / omega
+    return round(settings.length / dx) - 1, steps_until(time, dt / settings.refine)
+
+
+def run_once(
+    omega: float,
+    epsilon: float,
+    beta: float,
+    settings: Settings,
+    watching: Watching | None = None,
+) -> Outcome:
     """Ramp, hold, and stop at the first separated wave.
 
     Raises
@@ -171,7 +197,9 @@ def run_once(omega: float, epsilon: float, beta: float, settings: Settings) -> O
     drive = ramped_cosine(omega, epsilon, settings.ramp)
     length = settings.ramp * drive.period
     until = length + settings.hold * drive.period
-    return watch(drive, epsilon, lambda t: smooth_step(t / length)[0], beta, settings, until)
+    return watch(
+        drive, epsilon, lambda t: smooth_step(t / length)[0], beta, settings, until, watching
+    )
 
 
 def watch(
@@ -181,9 +209,11 @@ def watch(
     beta: float,
     settings: Settings,
     until: float,
+    watching: Watching | None = None,
 ) -> Outcome:
     """As :func:`run_once`, for any drive; ``envelope`` is its amplitude, a function of τ."""
     simulator = settings.simulator(RopeProblem(beta, drive))
+    check_resolution(simulator.dt, drive.period)
     dx, dt, height = settings.dx, simulator.dt, settings.height
     tail = _Tail((MEMORY + 1) * drive.period)
     lost = False
@@ -192,6 +222,8 @@ def watch(
         lost = bool(high.any())
         stop = int(np.argmax(high)) + 1 if lost else len(times)
         tail.feed(Block(times[:stop], rows[:stop]))
+        if watching is not None:
+            watching(epsilon, min(simulator.time / until, 1.0))
         if lost:
             break
     end = tail.end

@@ -266,22 +266,29 @@ def _sponge(positions: Array, grid: Grid) -> Array:
     return grid.strength * depth**3
 
 
-def _check_grid(problem: RopeProblem, grid: Grid) -> None:
-    beta, dx = problem.beta, grid.dx
-    if beta > 0 and dx > math.sqrt(beta) / 4 * (1 + 1e-12):
+def check_spacing(beta: float, dx: float, height: float = 1.0) -> None:
+    """What must be resolved: the boundary layer √β, or without bending the rope's length √Z."""
+    width, what = math.sqrt(beta), "the boundary layer at the contact point is √β"
+    if beta == 0:
+        width, what = math.sqrt(height), "the lifted rope at rest is √Z"
+    if dx > width / 4 * (1 + 1e-12):
         raise InputError(
-            f"dx = {dx!r} is too coarse for beta = {beta!r}: the boundary layer at the contact "
-            f"point is √β = {math.sqrt(beta):.4g} wide and needs dx ≤ √β/4 = "
-            f"{math.sqrt(beta) / 4:.4g}"
+            f"dx = {dx!r} is too coarse for beta = {beta!r}: {what} = {width:.4g} "
+            f"{'wide' if beta > 0 else 'long'} and needs dx ≤ {'√β' if beta > 0 else '√Z'}/4 = "
+            f"{width / 4:.4g}"
         )
+
+
+def _check_grid(problem: RopeProblem, grid: Grid) -> None:
     height = float(problem.drive.height(np.array(0.0)))
-    if not height > 0:
+    if not 0 < height < math.inf:
         raise InputError(
             f"the drive starts at Z(0) = {height!r}; it must start above the ground, Z > 0"
         )
+    check_spacing(problem.beta, grid.dx, height)
     # The static rope is down by √Z + √β (and ξ₀ ≤ 1.36 √Z for β ≤ 0.1); waves need room beyond.
-    down = math.sqrt(height) + math.sqrt(beta)
-    if grid.length - grid.sponge < 1.25 * down or grid.length < FEWEST * dx:
+    down = math.sqrt(height) + math.sqrt(problem.beta)
+    if grid.length - grid.sponge < 1.25 * down or grid.length < FEWEST * grid.dx:
         raise InputError(
             f"a domain of length {grid.length!r} whose last {grid.sponge!r} absorb is too short: "
             f"the rope at rest comes down near ξ = {down:.4g}; take length − sponge ≥ "

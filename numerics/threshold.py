@@ -20,10 +20,18 @@ from enum import Enum
 import numpy as np
 
 from numerics.contact import Scheme
-from numerics.drive import Array, Drive, check_amplitude, non_negative, positive
+from numerics.drive import Array, Drive, check_amplitude, frequency, positive
 from numerics.errors import InputError, ThresholdNotFoundError
+from numerics.problem import check_stiffness
 from numerics.pulses import pulse_length
-from numerics.ramped_run import Outcome, Settings, base_settings, run_once, watch
+from numerics.ramped_run import (
+    Outcome,
+    Settings,
+    Watching,
+    base_settings,
+    run_once,
+    watch,
+)
 
 LOWEST, HIGHEST = 1e-4, 0.9
 """The amplitudes between which the loss is looked for."""
@@ -129,12 +137,14 @@ def bracket(
     change: Change = Change.BASE,
     relative: float = 0.01,
     near: float | None = None,
+    watching: Watching | None = None,
 ) -> Bracket:
     """The first loss from below, to the relative width given.
 
     The scan starts at ⅔ of ``near``, or lower while that is lost, and goes up by 10 % a run; a loss
     below its start, or between two of its runs that both stay, is not seen. Without ``near``
-    it is where a run is lost whose amplitude doubles every 8 periods.
+    it is where a run is lost whose amplitude doubles every 8 periods. ``watching`` is told of every
+    run, see :data:`~numerics.ramped_run.Watching`.
 
     Raises
     ------
@@ -150,15 +160,15 @@ def bracket(
     >>> found.lower < found.upper <= 1.05 * found.lower * (1 + 1e-12)
     True
     """
-    omega, relative = positive("Omega", omega), positive("relative", relative)
+    omega, relative = frequency(omega), positive("relative", relative)
     if not NARROWEST <= relative <= 1:
         raise InputError(f"relative = {relative!r}: give a width from {NARROWEST} to 1")
-    guess = _sweep(omega, beta, settings) if near is None else positive("near", near)
+    guess = _sweep(omega, beta, settings, watching) if near is None else positive("near", near)
     epsilon = min(max(guess / START, LOWEST), HIGHEST)
     stayed, lost, count = None, None, 0
     while stayed is None or lost is None:
         _check_range(omega, beta, epsilon)
-        outcome = run_once(omega, epsilon, beta, settings)
+        outcome = run_once(omega, epsilon, beta, settings, watching)
         count += 1
         if outcome.stayed:
             stayed, epsilon = outcome, _next(epsilon, STEP)
@@ -167,7 +177,8 @@ def bracket(
         else:
             lost = outcome
     while lost.epsilon > stayed.epsilon * (1 + relative):
-        outcome = run_once(omega, math.sqrt(stayed.epsilon * lost.epsilon), beta, settings)
+        middle = math.sqrt(stayed.epsilon * lost.epsilon)
+        outcome = run_once(omega, middle, beta, settings, watching)
         count += 1
         stayed, lost = (outcome, lost) if outcome.stayed else (stayed, outcome)
     how = mechanism(lost, pulse_length(beta, settings.height, settings.dx))
@@ -182,6 +193,7 @@ def threshold(
     relative: float = 0.01,
     near: float | None = None,
     progress: Callable[[int, int], None] | None = None,
+    watching: Watching | None = None,
 ) -> Threshold:
     """ε_c(Ω, β) as the interval that covers all settings, or with ``quick`` the base alone.
 
@@ -199,6 +211,8 @@ def threshold(
         A guess, e.g. the threshold at a neighbouring Ω.
     progress
         Called with the brackets done and their total.
+    watching
+        Called within every run with its amplitude and the part of it that is done.
 
     Raises
     ------
@@ -212,13 +226,13 @@ def threshold(
     >>> len(found.runs), found.lower == found.runs[0].lower
     (1, True)
     """
-    omega, beta = positive("Omega", omega), non_negative("beta", beta)
+    omega, beta = frequency(omega), check_stiffness(beta)
     base = base_settings(beta) if base is None else base
     cases = {Change.BASE: base} if quick else variations(base)
     runs: list[Bracket] = []
     for change, settings in cases.items():
         guess = runs[0].upper if runs else near
-        runs.append(bracket(omega, beta, settings, change, relative, guess))
+        runs.append(bracket(omega, beta, settings, change, relative, guess, watching))
         if progress is not None:
             progress(len(runs), len(cases))
     seen = [run.mechanism for run in runs]
@@ -268,7 +282,7 @@ def mechanism(lost: Outcome, length: float) -> Mechanism:
     return Mechanism.UNDECIDED
 
 
-def _sweep(omega: float, beta: float, settings: Settings) -> float:
+def _sweep(omega: float, beta: float, settings: Settings, watching: Watching | None) -> float:
     """Where a run is lost whose amplitude, LOWEST (cosh gτ − 1), doubles every 8 periods."""
     omega, highest = check_amplitude(omega, HIGHEST)
     rate = math.log(2) / 8 * omega / (2 * math.pi)
@@ -286,7 +300,7 @@ def _sweep(omega: float, beta: float, settings: Settings) -> float:
         omega,
     )
     until = math.acosh(1 + highest / LOWEST) / rate
-    lost = watch(drive, highest, amplitude, beta, settings, until)
+    lost = watch(drive, highest, amplitude, beta, settings, until, watching)
     return max(float(amplitude(np.array(lost.periods * drive.period))), 2 * LOWEST)
 
 

@@ -107,25 +107,35 @@ def test_a_second_run_reads_the_cache(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["derive", "--order", "0"], "order = 0"),
-        (["derive", "--order", "-3"], "order = -3"),
-        (["derive", "--order", "two"], "order = 'two' is not an integer"),
-        (["derive", "--format", "pdf"], "choose one of text, latex, numpy, json"),
-        (["derive", "--style", "sine"], "choose one of cotangent, circular"),
-        (["derive", "--column", "three"], "choose one or two"),
+        (
+            ["derive", "--order", "0"],
+            "'--order' / '-N': Input should be greater than or equal to 1, not '0'",
+        ),
+        (["derive", "--order", "-3"], "greater than or equal to 1, not '-3'"),
+        (
+            ["derive", "--order", "two"],
+            "valid integer, unable to parse string as an integer, not 'two'",
+        ),
+        (["derive", "--format", "pdf"], "'pdf' is not one of 'text', 'latex', 'numpy', 'json'"),
+        (["derive", "--style", "sine"], "'sine' is not one of 'cotangent', 'circular'"),
+        (["derive", "--column", "three"], "'three' is not one of 'one', 'two'"),
         (["derive", "--plot", "x.bmp"], "ends in .pdf, .png, .svg"),
         (["evaluate", "--omega", "0.83"], "Missing option"),
         (["evaluate", "--omega", str(math.pi / 3), "--epsilon", "0.01"], "p/q = 1/3 "),
-        (["derive", "--order", "2.5"], "order = '2.5' is not an integer"),
-        (["evaluate", "--omega", "x", "--epsilon", "0.1"], "--omega 'x': not a number"),
-        (["evaluate", "--omega", "1,2", "--epsilon", "0.1"], "--omega '1,2': give one number"),
+        (["derive", "--order", "2.5"], "unable to parse string as an integer, not '2.5'"),
+        (
+            ["evaluate", "--omega", "x", "--epsilon", "0.1"],
+            "'--omega': Input should be a valid number, unable to parse string as a number, "
+            "not 'x'",
+        ),
+        (["evaluate", "--omega", "1,2", "--epsilon", "0.1"], "as a number, not '1,2'"),
         (["evaluate", "--omega", "nan", "--epsilon", "0.01"], "Omega = nan"),
         (["evaluate", "--omega", "0.83", "--epsilon", "nan"], "epsilon = nan"),
         (["evaluate", "--omega", "3.1", "--epsilon", "0.1"], "too large for order 4"),
         (["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--s", "0.5"], "beyond the contact"),
         (
             ["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--s", "a,b"],
-            "--s 'a,b': not a number",
+            "--s 'a': not a number; give numbers separated by commas",
         ),
         (["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--tau", ","], "--tau is empty"),
         (

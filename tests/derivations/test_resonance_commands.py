@@ -92,10 +92,19 @@ def test_text_table_and_figure(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["resonances", "--beta", "-1"], "beta = -1"),
-        (["resonances", "--beta", "nan"], "beta = nan"),
+        (
+            ["resonances", "--beta", "-1"],
+            "'--beta': Input should be greater than or equal to 0, not '-1'",
+        ),
+        (
+            ["resonances", "--beta", "nan"],
+            "'--beta': Input should be greater than or equal to 0, not 'nan'",
+        ),
         (["resonances", "--beta", "0.1", "--driven-end", "free"], "free"),
-        (["resonances", "--count", "0"], "--count '0': give a whole number"),
+        (
+            ["resonances", "--count", "0"],
+            "'--count': Input should be greater than or equal to 1, not '0'",
+        ),
         (["tongue", "2/4"], "not in lowest terms"),
         (["tongue", "half"], "half"),
         (["tongue", "1/5", "--order", "4"], "give an order ≥ 5"),

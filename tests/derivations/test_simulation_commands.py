@@ -192,18 +192,21 @@ def test_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "message"),
     [
         (["--epsilon", "1.2"], "epsilon = 1.2 takes the driven end down to Z = -0.2"),
-        (["--epsilon", "much"], "--epsilon 'much': not a number"),
+        (["--epsilon", "much"], "'--epsilon': Input should be a valid number"),
         (["--dx", "0.03"], "needs dx ≤ √β/4 = 0.025"),
         (["--length", "3.5"], "domain of length 3.5 whose last 3.0 absorb is too short"),
-        (["--beta", "-0.01"], "beta = -0.01: give a number ≥ 0"),
-        (["--beta", "2"], "0 ≤ β ≤ 1"),
-        (["--scheme", "euler"], "scheme 'euler': choose trapezoidal"),
-        (["--driven-end", "free"], "driven end 'free'"),
-        (["--restitution", "1.5"], "restitution = 1.5"),
-        (["--damping", "-1"], "damping = -1"),
+        (["--beta", "-0.01"], "'--beta': Input should be greater than or equal to 0, not '-0.01'"),
+        (["--beta", "2"], "'--beta': Input should be less than or equal to 1, not '2'"),
+        (["--scheme", "euler"], "'euler' is not one of 'trapezoidal', 'verlet'"),
+        (["--driven-end", "free"], "'free' is not one of 'pinned', 'clamped'"),
+        (
+            ["--restitution", "1.5"],
+            "'--restitution': Input should be less than or equal to 1, not '1.5'",
+        ),
+        (["--damping", "-1"], "'--damping': Input should be greater than or equal to 0, not '-1'"),
         (["--dt", "0"], "dt = 0"),
         (["--scheme", "verlet", "--dt", "0.02"], "beyond the stability limit"),
-        (["--ramp", "-1"], "ramp = -1"),
+        (["--ramp", "-1"], "'--ramp': Input should be greater than or equal to 0, not '-1'"),
         (["--periods", "0"], "periods = 0"),
         (["--periods", "3"], "periods = 3 end before the ramp of 3 periods is over"),
         (["--dt", "0.2"], "at least 20 steps a period"),
@@ -301,7 +304,9 @@ def test_the_threshold_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("threshold", "--omega", "-1") == 2
     assert "omega = -1" in capsys.readouterr().err.lower()
     assert run("threshold", "--omega", "2.9", "--beta", "-1") == 2
-    assert "beta = -1" in capsys.readouterr().err
+    assert (
+        "'--beta': Input should be greater than or equal to 0, not '-1'" in capsys.readouterr().err
+    )
 
 
 def test_progress_tells_the_time_left(
