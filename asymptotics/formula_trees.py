@@ -18,12 +18,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd, lcm
-from typing import Any
+from functools import cache
+from math import gcd
 
 from asymptotics.closed_form import ClosedForms, Style
 from asymptotics.cotangent import CotangentElement, CotangentRing
-from asymptotics.normal_form import circular_form, cotangent_terms, resonance_cosines
+from asymptotics.normal_form import (
+    CircularForm,
+    circular_form,
+    common_content,
+    cotangent_form,
+    resonance_cosines,
+)
+from asymptotics.partial_fractions import Monomial
 from asymptotics.widths import Term, pieces, width
 
 _NARROW = 0.4  # a fraction wider than this part of the line is written another way
@@ -63,12 +70,21 @@ def coefficient(element: CotangentElement, style: Style) -> Coefficient:
     >>> coefficient(ring.rational(-2, 3) * ring.omega * ring.cot(2), "cotangent")
     Coefficient(content=Fraction(-2, 3), omega=1, rows=((0, ((1, '\\\\kappa_{2}'),)),), below=())
     """
-    rows: dict[int, list[tuple[Any, str]]] = {}
     if style == "cotangent":
-        for (a, q, m, i), value in sorted(cotangent_terms(element).items()):
-            rows.setdefault(a, []).append((value, _cotangents(q, m, i)))
-        return _coefficient(Fraction(1), rows)
-    form = circular_form(element)
+        form = cotangent_form(element)
+        return Coefficient(
+            form.content,
+            form.lowest,
+            tuple(
+                (a - form.lowest, tuple((v, _cotangents(monomial)) for monomial, v in row.items()))
+                for a, row in form.rows.items()
+            ),
+        )
+    return _circular_coefficient(circular_form(element))
+
+
+def _circular_coefficient(form: CircularForm) -> Coefficient:
+    rows: dict[int, list[tuple[int, str]]] = {}
     for a in sorted({*form.cosines, *form.sines}):
         row = rows.setdefault(a, [])
         for k, v in sorted(form.cosines.get(a, {}).items()):
@@ -89,33 +105,23 @@ def coefficient(element: CotangentElement, style: Style) -> Coefficient:
         )
         if m
     ]
-    return _coefficient(form.content * 2**paired, rows, tuple(below))
-
-
-def _coefficient(
-    scale: Fraction, rows: dict[int, list[tuple[Any, str]]], below: tuple[tuple[str, str], ...] = ()
-) -> Coefficient:
     lowest = min(rows)
-    content = _content(Fraction(v) for row in rows.values() for v, _ in row)
+    content = gcd(*(v for row in rows.values() for v, _ in row))
     if rows[lowest][0][0] < 0:
         content = -content
     scaled = tuple(
-        (a - lowest, tuple((int(v / content), tex) for v, tex in row)) for a, row in rows.items()
+        (a - lowest, tuple((v // content, tex) for v, tex in row)) for a, row in rows.items()
     )
-    return Coefficient(scale * content, lowest, scaled, below)
-
-
-def _content(values: Iterable[Fraction]) -> Fraction:
-    """The largest positive rational of which all values are integer multiples."""
-    known = list(values)
-    return Fraction(gcd(*(v.numerator for v in known)), lcm(*(v.denominator for v in known)))
+    return Coefficient(form.content * 2**paired * content, lowest, scaled, tuple(below))
 
 
 def _power(m: int) -> str:
     return f"^{{{m}}}" if m != 1 else ""
 
 
-def _cotangents(q: int, m: int, i: int) -> str:
+@cache
+def _cotangents(monomial: Monomial) -> str:
+    q, m, i = monomial
     factors = [rf"\kappa_{{1}}{_power(i)}"] if i else []
     return "".join(factors + ([rf"\kappa_{{{q}}}{_power(m)}"] if m else []))
 
@@ -205,7 +211,7 @@ def _sum(items: Sequence[Product], room: float) -> tuple[Term, ...]:
     short = any(width(below) > _NARROW * room for below in denominators)
     if len(items) == 1:
         return _product(items[0], Fraction(1), 0, room, short)
-    outer = _content(item.coefficient.content for item in items)
+    outer = common_content(item.coefficient.content for item in items)
     if max(abs(item.coefficient.content / outer) for item in items) > _LARGEST_MULTIPLE:
         outer = Fraction(1)
     omega = min(item.coefficient.omega for item in items)

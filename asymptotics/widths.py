@@ -62,10 +62,17 @@ def width(tex: str) -> float:
     >>> round(width(r"\frac{\Omega^{2}}{8}"), 1), round(width(r"\sin 2\Omega s"), 1)
     (15.8, 32.5)
     """
-    return _width(tuple(_TOKEN.findall(tex)))
+    return _of_string(tex.translate(_ALIKE))
+
+
+_ALIKE = str.maketrans("123456789", "000000000")  # digits are equally wide
 
 
 @lru_cache(maxsize=65536)
+def _of_string(tex: str) -> float:
+    return _width(tuple(_TOKEN.findall(tex)))
+
+
 def _width(tokens: tuple[str, ...]) -> float:
     total, i, left = 0.0, 0, "ordinary"
     while i < len(tokens):
