@@ -34,6 +34,7 @@ from asymptotics.partial_fractions import Monomial
 from asymptotics.widths import Term, pieces, width
 
 _NARROW = 0.4  # a fraction wider than this part of the line is written another way
+_WIDEST = 0.6  # and one wider than this is cut: an indent, a sign and a bracket go with it
 _LARGEST_MULTIPLE = 100  # beyond, terms keep their own denominators
 
 Row = tuple[int, tuple[tuple[int, str], ...]]
@@ -166,6 +167,24 @@ def _fraction(value: Fraction, omega: int, monomial: str, below: Sequence[str] =
     return "" if above == "1" else above
 
 
+def _fractions(
+    value: Fraction, omega: int, monomial: str, below: Sequence[str], room: float
+) -> tuple[str, ...]:
+    """The same as factors, cut between those of the denominator so that lines may break there."""
+    whole = _fraction(value, omega, monomial, below)
+    if width(whole) <= _WIDEST * room:
+        return (whole,)
+    found: list[str] = []
+    group: list[str] = []
+    for factor in below:
+        longer = _fraction(value, omega, monomial, [*group, factor])
+        if group and width(longer) > _WIDEST * room:
+            found.append(_fraction(value, omega, monomial, group))
+            value, omega, monomial, group = Fraction(1), 0, "", []
+        group.append(factor)
+    return (*found, _fraction(value, omega, monomial, group))
+
+
 def _monomials(entries: Iterable[tuple[int, str]], omega: int = 0) -> tuple[Term, ...]:
     return tuple(Term(v < 0, (_fraction(Fraction(v), omega, tex),)) for v, tex in entries)
 
@@ -191,18 +210,18 @@ def _product(
     negative, power = value < 0, item.coefficient.omega - omega
     below = [factor[short] for factor in c.below]
     if len(c.rows) == 1 and len(c.rows[0][1]) == 1:
-        head = _fraction(value, power, c.rows[0][1][0][1], below)
-        return (Term(negative, (head, item.before), (), item.after),)
+        head = _fractions(value, power, c.rows[0][1][0][1], below, room)
+        return (Term(negative, (*head, item.before), (), item.after),)
     body = _body(c.rows)
     inline = "".join(piece.tex for piece in pieces(body, depth=2))
     if below and width(inline) < _NARROW * room:
         bare = abs(value.numerator) == 1 and not power
-        head = _fraction(value, power, inline if bare else f"({inline})", below)
-        return (Term(negative, (head, item.before), (), item.after),)
-    head = _fraction(value, power, "", below)
-    if not (head or item.before or item.after):
+        head = _fractions(value, power, inline if bare else f"({inline})", below, room)
+        return (Term(negative, (*head, item.before), (), item.after),)
+    head = _fractions(value, power, "", below, room)
+    if not (any(head) or item.before or item.after):
         return tuple(term.flipped() for term in body) if negative else body
-    return (Term(negative, (head, item.before), body, item.after),)
+    return (Term(negative, (*head, item.before), body, item.after),)
 
 
 def _sum(items: Sequence[Product], room: float) -> tuple[Term, ...]:
