@@ -75,12 +75,12 @@ def derive(
     as_json: JsonOption = False,
 ) -> None:
     """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
-    from derivations.formats import FORMATS, render, write_files
     from derivations.formats import as_json as json_object
+    from derivations.formats import render, write_files
     from derivations.progress import progress
 
-    formats = _formats(format, out, FORMATS)
     N = order_of(order)
+    formats = _formats(format, out, N)
     written: list[Path] = []
     if plot is not None:  # first: it is quick, and knows whether Ω and ε make sense
         from derivations.plots import plot_period
@@ -88,35 +88,56 @@ def derive(
         plot_period(number_of("--omega", omega), number_of("--epsilon", epsilon), N, plot)
         written.append(plot)
     forms, proofs = _derivation(N, style, column, cache, quiet=as_json)
-    pages: dict[str, dict[str, str]] = {}
+    text: dict[str, str] = {}
     if out is not None:
         with progress("writing", len(formats), quiet=as_json) as report:
             for done, name in enumerate(formats, start=1):
-                pages[name] = render(forms, proofs, name, column)
-                written += write_files(pages[name], out)
+                pages = render(forms, proofs, name, column)
+                written += write_files(pages, out)
+                text = pages if name == "text" else text
                 report(done)
     if as_json:
         result = json_object(forms, proofs)
         result["files"] = [str(path) for path in written]
         print(json.dumps(result))
         return
-    shown = "text" if out is not None else formats[0]
-    text = "\n".join((pages.get(shown) or render(forms, proofs, shown, column)).values())
-    if out is not None and len(text) > SCREEN:
-        text = "\n".join(str(proof) for proof in proofs) + "\n"
-    print(text, end="")
+    if out is None and formats:
+        text = render(forms, proofs, formats[0], column)
+    _show("\n".join(text.values()), proofs, always=out is None)
+    if format is None and "text" not in formats:
+        print(_left_out(N, out), file=sys.stderr)
     for path in written:
         print(f"wrote {path}", file=sys.stderr)
 
 
-def _formats(format: str | None, out: Path | None, known: tuple[str, ...]) -> tuple[str, ...]:
+def _formats(format: str | None, out: Path | None, order: int) -> tuple[str, ...]:
+    """What to write into a folder, or to show where there is none."""
     from asymptotics.errors import InputError
+    from derivations.formats import FORMATS, LAST_PAGE
 
     if format is None:
-        return known if out is not None else ("text",)
-    if format not in known:
-        raise InputError(f"--format {format!r}: choose one of {', '.join(known)}")
+        known = FORMATS if out is not None else ("text",)
+        pages = () if order <= LAST_PAGE else ("text", "latex")
+        return tuple(name for name in known if name not in pages)
+    if format not in FORMATS:
+        raise InputError(f"--format {format!r}: choose one of {', '.join(FORMATS)}")
     return (format,)
+
+
+def _left_out(order: int, out: Path | None) -> str:
+    """Why nobody gets a text of this order unasked, and how to get it."""
+    what = "text and LaTeX are" if out is not None else "the formulas are"
+    how = "--format text or --format latex writes them"
+    if out is None:
+        how = "--out writes them as NumPy and JSON, --format text prints them"
+    return f"order {order} would fill hundreds of pages: {what} left out; {how}"
+
+
+def _show(text: str, proofs: Any, always: bool) -> None:
+    """The formulas, or the proofs alone where the formulas are long and stand in a file."""
+    if not text or (len(text) > SCREEN and not always):
+        text = "\n".join(str(proof) for proof in proofs) + "\n"
+    print(text, end="")
 
 
 def _derivation(order: int, style: str, column: str, cache: bool, quiet: bool) -> tuple[Any, Any]:
