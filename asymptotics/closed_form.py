@@ -12,6 +12,7 @@ one by one: 1 − cos kΩs and kΩs − sin kΩs (and s² in F₀).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -23,6 +24,7 @@ from asymptotics.expansion import Expansion
 from asymptotics.normal_form import (
     circular_form,
     common_factor,
+    cotangent_form,
     cotangent_terms,
     resonance_cosines,
 )
@@ -198,6 +200,8 @@ class ClosedForms:
         self.expansion = expansion
         self.style: Style = check_style(style)
         self._frame = frame
+        self._contact: dict[tuple[int, int], CotangentElement] = {}
+        self._profile: dict[tuple[int, int], tuple[ProfileTerm, ...]] = {}
 
     @property
     def order(self) -> int:
@@ -213,8 +217,11 @@ class ClosedForms:
 
     def contact_amplitude(self, n: int, j: int) -> CotangentElement:
         """The ring element multiplying (ε/sin Ω)^n cos jΩτ in ξ_c."""
-        c = self.expansion.contact(n).get(j, CotangentRing.zero)
-        return c if j == 0 else c + c
+        known = self._contact.get((n, j))
+        if known is None:
+            c = self.expansion.contact(n).get(j, CotangentRing.zero)
+            known = self._contact[n, j] = c if j == 0 else c + c
+        return known
 
     def contact_harmonic(self, n: int, j: int) -> sympy.Expr:
         """The coefficient of ε^n cos jΩτ in ξ_c = x_c/x₀."""
@@ -285,18 +292,22 @@ class ClosedForms:
         The coefficients of 1 and s are not looked up: W = W_ξ = 0 at s = 0, proved order by order,
         makes them what 1 − cos kΩs and kΩs − sin kΩs need.
         """
+        known = self._profile.get((j, n))
+        if known is None:
+            known = self._profile[j, n] = tuple(self._profile_terms(j, n))
+        return known
+
+    def _profile_terms(self, j: int, n: int) -> Iterator[ProfileTerm]:
         ring = CotangentRing()
-        terms: list[ProfileTerm] = []
         for k, (value, slope) in sorted(self.frame.modes.items()):
             if k == 0:
                 continue
             sign = ring.rational(-1 if j == 0 else -2)
             if j in value[n]:
-                terms.append(ProfileTerm(k, "versine", ring.sum([sign * value[n][j]])))
+                yield ProfileTerm(k, "versine", ring.sum([sign * value[n][j]]))
             if j in slope[n]:
                 amplitude = ring.sum([sign * slope[n][j] * ring.rational(1, k)])
-                terms.append(ProfileTerm(k, "defect", amplitude.divided_by_omega()))
-        return tuple(terms)
+                yield ProfileTerm(k, "defect", amplitude.divided_by_omega())
 
     def profile_part(self, j: int, n: int) -> sympy.Expr:
         """The coefficient of (ε/sin Ω)^n cos jΩτ in w/Z₀, as a function of s."""
@@ -316,7 +327,7 @@ class ClosedForms:
         if self.style == "circular":
             amplitudes = [_circular(term.amplitude) for term in terms]
             return static + sympy.Add(*map(sympy.Mul, amplitudes, functions))
-        ratio, power = common_factor(cotangent_terms(term.amplitude) for term in terms)
+        ratio, power = common_factor(cotangent_form(term.amplitude) for term in terms)
         bracket = sympy.Add(
             *(
                 _cotangent_expression(term.amplitude, (ratio, power)) * function

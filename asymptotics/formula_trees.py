@@ -18,15 +18,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd, lcm
-from typing import Any
+from functools import cache
+from math import gcd
 
 from asymptotics.closed_form import ClosedForms, Style
 from asymptotics.cotangent import CotangentElement, CotangentRing
-from asymptotics.normal_form import circular_form, cotangent_terms, resonance_cosines
+from asymptotics.normal_form import (
+    CircularForm,
+    circular_form,
+    common_content,
+    cotangent_form,
+    resonance_cosines,
+)
+from asymptotics.partial_fractions import Monomial
 from asymptotics.widths import Term, pieces, width
 
 _NARROW = 0.4  # a fraction wider than this part of the line is written another way
+_WIDEST = 0.6  # and one wider than this is cut: an indent, a sign and a bracket go with it
 _LARGEST_MULTIPLE = 100  # beyond, terms keep their own denominators
 
 Row = tuple[int, tuple[tuple[int, str], ...]]
@@ -63,12 +71,21 @@ def coefficient(element: CotangentElement, style: Style) -> Coefficient:
     >>> coefficient(ring.rational(-2, 3) * ring.omega * ring.cot(2), "cotangent")
     Coefficient(content=Fraction(-2, 3), omega=1, rows=((0, ((1, '\\\\kappa_{2}'),)),), below=())
     """
-    rows: dict[int, list[tuple[Any, str]]] = {}
     if style == "cotangent":
-        for (a, q, m, i), value in sorted(cotangent_terms(element).items()):
-            rows.setdefault(a, []).append((value, _cotangents(q, m, i)))
-        return _coefficient(Fraction(1), rows)
-    form = circular_form(element)
+        form = cotangent_form(element)
+        return Coefficient(
+            form.content,
+            form.lowest,
+            tuple(
+                (a - form.lowest, tuple((v, _cotangents(monomial)) for monomial, v in row.items()))
+                for a, row in form.rows.items()
+            ),
+        )
+    return _circular_coefficient(circular_form(element))
+
+
+def _circular_coefficient(form: CircularForm) -> Coefficient:
+    rows: dict[int, list[tuple[int, str]]] = {}
     for a in sorted({*form.cosines, *form.sines}):
         row = rows.setdefault(a, [])
         for k, v in sorted(form.cosines.get(a, {}).items()):
@@ -89,33 +106,23 @@ def coefficient(element: CotangentElement, style: Style) -> Coefficient:
         )
         if m
     ]
-    return _coefficient(form.content * 2**paired, rows, tuple(below))
-
-
-def _coefficient(
-    scale: Fraction, rows: dict[int, list[tuple[Any, str]]], below: tuple[tuple[str, str], ...] = ()
-) -> Coefficient:
     lowest = min(rows)
-    content = _content(Fraction(v) for row in rows.values() for v, _ in row)
+    content = gcd(*(v for row in rows.values() for v, _ in row))
     if rows[lowest][0][0] < 0:
         content = -content
     scaled = tuple(
-        (a - lowest, tuple((int(v / content), tex) for v, tex in row)) for a, row in rows.items()
+        (a - lowest, tuple((v // content, tex) for v, tex in row)) for a, row in rows.items()
     )
-    return Coefficient(scale * content, lowest, scaled, below)
-
-
-def _content(values: Iterable[Fraction]) -> Fraction:
-    """The largest positive rational of which all values are integer multiples."""
-    known = list(values)
-    return Fraction(gcd(*(v.numerator for v in known)), lcm(*(v.denominator for v in known)))
+    return Coefficient(form.content * 2**paired * content, lowest, scaled, tuple(below))
 
 
 def _power(m: int) -> str:
     return f"^{{{m}}}" if m != 1 else ""
 
 
-def _cotangents(q: int, m: int, i: int) -> str:
+@cache
+def _cotangents(monomial: Monomial) -> str:
+    q, m, i = monomial
     factors = [rf"\kappa_{{1}}{_power(i)}"] if i else []
     return "".join(factors + ([rf"\kappa_{{{q}}}{_power(m)}"] if m else []))
 
@@ -160,6 +167,24 @@ def _fraction(value: Fraction, omega: int, monomial: str, below: Sequence[str] =
     return "" if above == "1" else above
 
 
+def _fractions(
+    value: Fraction, omega: int, monomial: str, below: Sequence[str], room: float
+) -> tuple[str, ...]:
+    """The same as factors, cut between those of the denominator so that lines may break there."""
+    whole = _fraction(value, omega, monomial, below)
+    if width(whole) <= _WIDEST * room:
+        return (whole,)
+    found: list[str] = []
+    group: list[str] = []
+    for factor in below:
+        longer = _fraction(value, omega, monomial, [*group, factor])
+        if group and width(longer) > _WIDEST * room:
+            found.append(_fraction(value, omega, monomial, group))
+            value, omega, monomial, group = Fraction(1), 0, "", []
+        group.append(factor)
+    return (*found, _fraction(value, omega, monomial, group))
+
+
 def _monomials(entries: Iterable[tuple[int, str]], omega: int = 0) -> tuple[Term, ...]:
     return tuple(Term(v < 0, (_fraction(Fraction(v), omega, tex),)) for v, tex in entries)
 
@@ -185,18 +210,18 @@ def _product(
     negative, power = value < 0, item.coefficient.omega - omega
     below = [factor[short] for factor in c.below]
     if len(c.rows) == 1 and len(c.rows[0][1]) == 1:
-        head = _fraction(value, power, c.rows[0][1][0][1], below)
-        return (Term(negative, (head, item.before), (), item.after),)
+        head = _fractions(value, power, c.rows[0][1][0][1], below, room)
+        return (Term(negative, (*head, item.before), (), item.after),)
     body = _body(c.rows)
     inline = "".join(piece.tex for piece in pieces(body, depth=2))
     if below and width(inline) < _NARROW * room:
         bare = abs(value.numerator) == 1 and not power
-        head = _fraction(value, power, inline if bare else f"({inline})", below)
-        return (Term(negative, (head, item.before), (), item.after),)
-    head = _fraction(value, power, "", below)
-    if not (head or item.before or item.after):
+        head = _fractions(value, power, inline if bare else f"({inline})", below, room)
+        return (Term(negative, (*head, item.before), (), item.after),)
+    head = _fractions(value, power, "", below, room)
+    if not (any(head) or item.before or item.after):
         return tuple(term.flipped() for term in body) if negative else body
-    return (Term(negative, (head, item.before), body, item.after),)
+    return (Term(negative, (*head, item.before), body, item.after),)
 
 
 def _sum(items: Sequence[Product], room: float) -> tuple[Term, ...]:
@@ -205,7 +230,7 @@ def _sum(items: Sequence[Product], room: float) -> tuple[Term, ...]:
     short = any(width(below) > _NARROW * room for below in denominators)
     if len(items) == 1:
         return _product(items[0], Fraction(1), 0, room, short)
-    outer = _content(item.coefficient.content for item in items)
+    outer = common_content(item.coefficient.content for item in items)
     if max(abs(item.coefficient.content / outer) for item in items) > _LARGEST_MULTIPLE:
         outer = Fraction(1)
     omega = min(item.coefficient.omega for item in items)

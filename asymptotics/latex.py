@@ -49,31 +49,43 @@ COLUMNS = {
 }
 """``two``: REVTeX's two columns; ``one``: an article with lines of 469 pt (6.5 in)."""
 
-_TAG = 30.0  # an equation number such as (123) and the least space before it
+_TAG = 30.0  # an equation number such as (12) and the space amsmath wants beside it
+_ROWS = 60  # of one align: amsmath's time grows with their square
 
 
 # -- equations -----------------------------------------------------------------------------------
 
 
-def _equation(
-    left: str, terms: Sequence[Term], label: str, room: float, relation: str = "="
+def equation(
+    left: str, terms: Sequence[Term], label: str, room: float, relation: str = "=", end: str = ""
 ) -> str:
     """The rows of one numbered equation, without the environment around them.
 
-    ``room`` is what the line leaves to the right-hand side.
+    ``room`` is what the line leaves to the right-hand side, ``end`` the punctuation after it.
     """
     lines = break_lines(pieces(terms), Limits(room, _TAG))
     if lines[0].startswith("-"):
         lines[0] = f"{{-}}{lines[0][1:]}"  # a sign, not an operation: no space after it
     rows = [f"&{line}" for line in lines]
     rows[0] = f"{left}{relation}{{}}{rows[0]}"
-    rows[-1] += f" \\label{{eq:rope:{label}}}"
+    rows[-1] += f"{end} \\label{{eq:rope:{label}}}"
     return "\\nonumber\\\\\n".join(rows)
 
 
-def _align(equations: Iterable[str]) -> str:
-    """Equations aligned at their relations; pages may break between all rows."""
-    return "\\begin{align}\n" + "\\\\[1ex]\n".join(equations) + "\n\\end{align}\n"
+def aligned(equations: Iterable[str]) -> str:
+    """Equations aligned at their relations, a few to an align; pages may break between all rows."""
+    groups: list[list[str]] = []
+    rows = _ROWS
+    for equation in equations:
+        more = equation.count("\n") + 1
+        if rows + more > _ROWS:
+            groups.append([])
+            rows = 0
+        groups[-1].append(equation)
+        rows += more
+    return "".join(
+        "\\begin{align}\n" + "\\\\[1ex]\n".join(group) + "\n\\end{align}\n" for group in groups
+    )
 
 
 def contact_equation(forms: ClosedForms, n: int, column: str = "two") -> str:
@@ -86,12 +98,12 @@ def contact_equation(forms: ClosedForms, n: int, column: str = "two") -> str:
     \end{align}
     <BLANKLINE>
     """  # noqa: E501 - a printed line is a source line
-    return _align(_contact(forms, _check(forms, n, 1, "n", column), column))
+    return aligned(_contact(forms, _check(forms, n, 1, "n", column), column))
 
 
 def _contact(forms: ClosedForms, n: int, column: str) -> list[str]:
-    room = _room(rf"\hat\xi_{{{forms.order}}}=", column)
-    return [_equation(rf"\hat\xi_{{{n}}}", contact_tree(forms, n, room), f"xi{n}", room)]
+    room = room_beside(rf"\hat\xi_{{{forms.order}}}=", column)
+    return [equation(rf"\hat\xi_{{{n}}}", contact_tree(forms, n, room), f"xi{n}", room)]
 
 
 def shape_equation(forms: ClosedForms, n: int, column: str = "two") -> str:
@@ -104,14 +116,14 @@ def shape_equation(forms: ClosedForms, n: int, column: str = "two") -> str:
     \end{align}
     <BLANKLINE>
     """
-    return _align(_shape(forms, _check(forms, n, 0, "n", column), column))
+    return aligned(_shape(forms, _check(forms, n, 0, "n", column), column))
 
 
 def _shape(forms: ClosedForms, n: int, column: str) -> list[str]:
-    room = _room(rf"\hat w_{{{forms.order}}}=", column)
+    room = room_beside(rf"\hat w_{{{forms.order}}}=", column)
     if n == 0:
-        return [_equation("w_{0}", (Term(False, (r"(\xi-1)^{2}",)),), "w0", room)]
-    return [_equation(rf"\hat w_{{{n}}}", shape_tree(forms, n, room), f"w{n}", room)]
+        return [equation("w_{0}", (Term(False, (r"(\xi-1)^{2}",)),), "w0", room)]
+    return [equation(rf"\hat w_{{{n}}}", shape_tree(forms, n, room), f"w{n}", room)]
 
 
 def profile_equation(forms: ClosedForms, j: int, column: str = "two") -> str:
@@ -124,26 +136,33 @@ def profile_equation(forms: ClosedForms, j: int, column: str = "two") -> str:
     \end{align}
     <BLANKLINE>
     """
-    return _align(_profile(forms, _check(forms, j, 0, "j", column), column))
+    return aligned(_profile(forms, _check(forms, j, 0, "j", column), column))
 
 
 def _profile(forms: ClosedForms, j: int, column: str) -> list[str]:
-    room = _room(rf"F_{{{forms.order}}}^{{({forms.order})}}=", column)
+    room = room_beside(rf"F_{{{forms.order}}}^{{({forms.order})}}=", column)
     terms = list(profile_tree(forms, j, j, room)) if j else [Term(False, ("s^{2}",))]
     corrections = range(j + 2, forms.order + 1, 2)
     for n in corrections:
         terms.append(Term(False, (rf"\hat\epsilon^{{{n - j}}}F_{{{j}}}^{{({n - j})}}",)))
     terms.append(Term(False, (rf"O(\epsilon^{{{2 * len(corrections) + 2}}})",)))
-    equations = [_equation(f"F_{{{j}}}", terms, f"F{j}", room, r"\sim")]
+    equations = [equation(f"F_{{{j}}}", terms, f"F{j}", room, r"\sim")]
     for n in corrections:
         part, left = profile_tree(forms, j, n, room), f"F_{{{j}}}^{{({n - j})}}"
-        equations.append(_equation(left, part, f"F{j}:{n - j}", room))
+        equations.append(equation(left, part, f"F{j}:{n - j}", room))
     return equations
 
 
-def _room(left: str, column: str) -> float:
+def room_beside(left: str, column: str = "two") -> float:
     """What is left of a line after the widest left-hand side of a formula set."""
     return COLUMNS[column].points - width(f"{left} s") + width("s")
+
+
+# With its usual least separation of columns amsmath centres a row with its number as if it stood
+# alone, and so pushes wider rows of the same align over the margin.
+BEGIN = "\\begingroup\\allowdisplaybreaks\\sloppy\\renewcommand{\\minalignsep}{0pt}\n"
+END = "\\par\\endgroup\n"
+"""What stands around the formulas of a file."""
 
 
 # -- files ---------------------------------------------------------------------------------------
@@ -225,7 +244,7 @@ def formula_sets(forms: ClosedForms, column: str = "two") -> dict[str, str]:
         "shape.tex": [row for n in indices for row in _shape(forms, n, column)],
         "profile.tex": [row for j in indices for row in _profile(forms, j, column)],
     }
-    files = {name: _fragment(name, forms, column, _align(e)) for name, e in equations.items()}
+    files = {name: _fragment(name, forms, column, aligned(e)) for name, e in equations.items()}
     return {**files, "supplement.tex": _supplement(forms, column)}
 
 
@@ -243,9 +262,9 @@ def _fragment(name: str, forms: ClosedForms, column: str, equations: str) -> str
         "% Generated by ropewave: generate again rather than edit. Needs amsmath.\n"
         "% Notation: theta = omega t, Omega = omega x_0/c, s = (x - x_c)/x_0,\n"
         "% kappa_j = cot(j Omega), hat epsilon = epsilon/sin(Omega); see the text below.\n"
-        "\\begingroup\\allowdisplaybreaks\\sloppy\n"
+        f"{BEGIN}"
         f"{_COMMON}{notes}{_FILE_NOTES[name]}\n"
-        f"{series.format(**numbers)}{equations}\\par\\endgroup\n"
+        f"{series.format(**numbers)}{equations}{END}"
     )
 
 

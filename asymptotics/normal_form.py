@@ -23,120 +23,141 @@ from fractions import Fraction
 from functools import cache, lru_cache
 from math import gcd, lcm
 
-from flint import fmpq_poly, fmpz_poly
+from flint import fmpz_mpoly, fmpz_poly
 
-from asymptotics.cotangent import (
-    CotangentElement,
-    CotangentRing,
-    Poles,
-    cotangent_powers,
-    resonance_polynomial,
-)
+from asymptotics.cotangent import CotangentElement, CotangentRing, Poles, resonance_polynomial
+from asymptotics.partial_fractions import Monomial, partial_fractions
+
+Rows = dict[int, dict[Monomial, int]]
+"""``{a: {(q, m, i): v}}`` for Σ v Ω^a κ_q^m κ₁^i, in ascending order of all four."""
 
 CotangentTerms = dict[tuple[int, int, int, int], Fraction]
 """``{(a, q, m, i): r}`` for Σ r Ω^a κ_q^m κ₁^i; i = 0 when q = 1, and q = 1, m = 0 without κ."""
 
 
-@cache
-def _psi(q: int) -> fmpq_poly:
-    return fmpq_poly(resonance_polynomial(q))
+@dataclass(frozen=True, slots=True)
+class CotangentForm:
+    """content · Σ v Ω^a κ_q^m κ₁^i, the integers v coprime, the first of them positive.
+
+    Elements that differ by a rational factor share their ``rows``: read them, do not change them.
+    """
+
+    content: Fraction
+    rows: Rows
+
+    @property
+    def lowest(self) -> int:
+        """The lowest power of Ω."""
+        return next(iter(self.rows))
 
 
-def _inverse(a: fmpq_poly, modulus: fmpq_poly) -> fmpq_poly:
-    return (a % modulus).xgcd(modulus)[1] % modulus
+class _Primitive:
+    """The numerator and poles of an element without its rational factor, as a key."""
+
+    __slots__ = ("mark", "numerator", "poles")
+
+    def __init__(self, numerator: fmpz_mpoly, poles: Poles) -> None:
+        self.numerator, self.poles = numerator, poles
+        first, last = (int(numerator.coefficient(i)) for i in (0, len(numerator) - 1))
+        self.mark = hash((len(numerator), first, last, poles))
+
+    def __hash__(self) -> int:
+        return self.mark
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _Primitive)
+            and self.poles == other.poles
+            and bool(self.numerator == other.numerator)
+        )
+
+    def element(self) -> CotangentElement:
+        """The element that stands for all its multiples."""
+        return CotangentElement(self.numerator, 1, self.poles)
 
 
-@cache
-def _split(q: int) -> tuple[fmpq_poly, fmpq_poly, fmpq_poly]:
-    """(P_q, Q_q/Ψ_q, (Q_q/Ψ_q)/P_q mod Ψ_q)."""
-    p, full = (fmpq_poly(x) for x in cotangent_powers(q))
-    rest = full // _psi(q)
-    return p, rest, rest * _inverse(p, _psi(q)) % _psi(q)
+def _primitive(element: CotangentElement) -> tuple[Fraction, _Primitive]:
+    """(r, key): the element, not 0, is r times the key's."""
+    content, numerator = element.numerator.primitive()
+    if numerator.leading_coefficient() < 0:
+        content, numerator = -content, -numerator
+    return Fraction(int(content), element.denominator), _Primitive(numerator, element.poles)
 
 
-def _power_modulo(base: fmpq_poly, exponent: int, modulus: fmpq_poly) -> fmpq_poly:
-    result = fmpq_poly([1])
-    for _ in range(exponent):
-        result = result * base % modulus
-    return result
+def cotangent_form(element: CotangentElement) -> CotangentForm:
+    """The cotangent form of an element in integers; computed once for all its rational multiples.
+
+    >>> k = CotangentRing().cot
+    >>> cotangent_form(k(2) * k(3))     # κ₂κ₃ = −(3 − κ₁² + 2κ₁κ₃)/2
+    CotangentForm(content=Fraction(-1, 2), rows={0: {(1, 0, 0): 3, (1, 2, 0): -1, (3, 1, 1): 2}})
+    """
+    if element.is_zero():
+        return CotangentForm(Fraction(0), {})
+    ratio, key = _primitive(element)
+    form = _cotangent_form(key)
+    return CotangentForm(ratio * form.content, form.rows)
 
 
 @lru_cache(maxsize=4096)
-def _denominator(poles: Poles) -> fmpq_poly:
-    product = fmpq_poly([1])
-    for q, m in enumerate(poles, start=2):
-        if m:
-            product = product * _psi(q) ** m
-    return product
+def _cotangent_form(key: _Primitive) -> CotangentForm:
+    pieces = [
+        (a, piece)
+        for a, row in key.element().rows().items()
+        for piece in partial_fractions(row, key.poles)
+    ]
+    below = lcm(*(denominator for _, (*_, denominator) in pieces))
+    above = gcd(*(below // denominator * gcd(*values) for _, (_, values, denominator) in pieces))
+    found: dict[int, list[tuple[Monomial, int]]] = {}
+    for a, (monomials, values, denominator) in pieces:
+        factor = below // denominator
+        found.setdefault(a, []).extend(
+            (monomial, value * factor // above)
+            for monomial, value in zip(monomials, values, strict=True)
+            if value
+        )
+    rows = {a: dict(sorted(row)) for a, row in found.items()}
+    if next(iter(rows[min(rows)].values())) < 0:
+        above = -above
+        rows = {a: {monomial: -v for monomial, v in row.items()} for a, row in rows.items()}
+    return CotangentForm(Fraction(above, below), rows)
 
 
 def cotangent_terms(element: CotangentElement) -> CotangentTerms:
-    """The cotangent form of an element.
+    """The cotangent form of an element, term by term.
 
     >>> k = CotangentRing().cot
     >>> cotangent_terms(k(2) * k(3))     # κ₂κ₃ = κ₁²/2 − 3/2 − κ₁κ₃
     ... # doctest: +NORMALIZE_WHITESPACE
-    {(0, 3, 1, 1): Fraction(-1, 1), (0, 1, 0, 0): Fraction(-3, 2), (0, 1, 2, 0): Fraction(1, 2)}
+    {(0, 1, 0, 0): Fraction(-3, 2), (0, 1, 2, 0): Fraction(1, 2), (0, 3, 1, 1): Fraction(-1, 1)}
     """
-    element = element.canonical()
-    terms: CotangentTerms = {}
-    for a, row in element.rows().items():
-        for (q, m, i), value in _row_terms(
-            fmpq_poly(row) / element.denominator, element.poles
-        ).items():
-            terms[a, q, m, i] = value
-    return terms
+    form = cotangent_form(element)
+    return {
+        (a, *monomial): form.content * v
+        for a, row in form.rows.items()
+        for monomial, v in row.items()
+    }
 
 
-def _row_terms(numerator: fmpq_poly, poles: Poles) -> dict[tuple[int, int, int], Fraction]:
-    """Partial fractions of numerator/∏Ψ_q^{m_q} in powers of the cotangents, q descending."""
-    terms: dict[tuple[int, int, int], Fraction] = {}
-    powers = list(poles)
-    for q in range(len(powers) + 1, 1, -1):
-        psi, (p, rest, ratio) = _psi(q), _split(q)
-        while powers[q - 2]:
-            m = powers[q - 2]
-            others = _denominator((*powers[: q - 2],))
-            leading = numerator * _inverse(others, psi) % psi * _power_modulo(ratio, m, psi) % psi
-            for i in range(leading.degree() + 1):
-                if leading[i]:
-                    terms[q, m, i] = Fraction(int(leading[i].p), int(leading[i].q))
-            # κ_q^m = P^m / (rest Ψ_q)^m brings poles of order m at the divisors of q.
-            raised = [
-                max(power, m) if q % d == 0 and d < q else power
-                for d, power in enumerate(powers, start=2)
-            ]
-            common = _denominator((*raised,))
-            numerator = numerator * (common // _denominator((*powers,))) - leading * p**m * (
-                common // (rest * psi) ** m
-            )
-            powers = raised
-            numerator = numerator // psi
-            powers[q - 2] -= 1
-            for d in (d for d in range(2, q + 1) if q % d == 0):
-                while powers[d - 2]:
-                    quotient, remainder = divmod(numerator, _psi(d))
-                    if remainder:
-                        break
-                    numerator, powers[d - 2] = quotient, powers[d - 2] - 1
-    for i in range(numerator.degree() + 1):
-        if numerator[i]:
-            terms[1, i, 0] = Fraction(int(numerator[i].p), int(numerator[i].q))
-    return terms
-
-
-def common_factor(forms: Iterable[CotangentTerms]) -> tuple[Fraction, int]:
-    """(r, a) so that every term of every form is r Ω^a times integers and powers of Ω.
+def common_factor(forms: Iterable[CotangentForm]) -> tuple[Fraction, int]:
+    """(r, a) so that every term of every form, none of them 0, is r Ω^a times integers and powers.
 
     >>> ring = CotangentRing()
     >>> half = ring.rational(3, 2) * ring.omega * ring.omega
-    >>> common_factor([cotangent_terms(half), cotangent_terms(half * ring.cot(2))])
+    >>> common_factor([cotangent_form(half), cotangent_form(half * ring.cot(2))])
     (Fraction(3, 2), 2)
     """
-    keys = [(a, r) for form in forms for (a, *_), r in form.items()]
-    above = gcd(*(r.numerator for _, r in keys))
-    below = lcm(*(r.denominator for _, r in keys))
-    return Fraction(above, below), min(a for a, _ in keys)
+    known = list(forms)
+    return common_content(form.content for form in known), min(form.lowest for form in known)
+
+
+def common_content(values: Iterable[Fraction]) -> Fraction:
+    """The largest positive rational of which all values are integer multiples.
+
+    >>> common_content([Fraction(3, 2), Fraction(-9, 4)])
+    Fraction(3, 4)
+    """
+    known = list(values)
+    return Fraction(gcd(*(v.numerator for v in known)), lcm(*(v.denominator for v in known)))
 
 
 def from_cotangent_terms(terms: CotangentTerms) -> CotangentElement:
@@ -174,25 +195,36 @@ def circular_form(element: CotangentElement) -> CircularForm:
     >>> form.content, form.cosines, form.sine_power, form.poles     # cos 2Ω/(2 sin Ω cos Ω)
     (Fraction(1, 2), {0: {2: 1}}, 1, (1,))
     """
-    element = element.canonical()
+    ratio, key = _primitive(element)
+    form = _circular_form(key)
+    cosines, sines = form.cosines, form.sines
+    if ratio < 0:
+        cosines, sines = _negated(cosines), _negated(sines)
+    return CircularForm(abs(ratio) * form.content, cosines, sines, form.sine_power, form.poles)
+
+
+def _negated(part: dict[int, dict[int, int]]) -> dict[int, dict[int, int]]:
+    return {a: {k: -v for k, v in row.items()} for a, row in part.items()}
+
+
+@lru_cache(maxsize=4096)
+def _circular_form(key: _Primitive) -> CircularForm:
+    element = key.element().canonical()
     rows = element.rows()
     below = sum(
         power * resonance_polynomial(q).degree() for q, power in enumerate(element.poles, start=2)
     )
     degree = max([below, *(row.degree() for row in rows.values())])
-    cosines: dict[int, dict[int, int]] = {}
-    sines: dict[int, dict[int, int]] = {}
-    for a, row in rows.items():
-        real, imaginary = multiple_angles(row, degree)
-        if real:
-            cosines[a] = real
-        if imaginary:
-            sines[a] = imaginary
-    content = gcd(*(v for part in (cosines, sines) for row in part.values() for v in row.values()))
-    for part in (cosines, sines):
-        for multiples in part.values():
-            for k in multiples:
-                multiples[k] //= content
+    angles = {a: multiple_angles(row, degree) for a, row in rows.items()}
+    content = gcd(*(v for parts in angles.values() for part in parts for v in part.values()))
+    cosines, sines = (
+        {
+            a: {k: v // content for k, v in parts[i].items()}
+            for a, parts in angles.items()
+            if parts[i]
+        }
+        for i in (0, 1)
+    )
     scale = Fraction(content, element.denominator * 2**degree)
     for q, power in enumerate(element.poles, start=2):
         scale /= _cosine_content(q) ** power
@@ -205,22 +237,30 @@ def multiple_angles(row: fmpz_poly, degree: int) -> tuple[dict[int, int], dict[i
     >>> multiple_angles(fmpz_poly([-1, 0, 1]), 2)     # 4 (cos² − sin²) = 4 cos 2Ω
     ({2: 4}, {})
     """
-    # With y = e^{iΩ}: 2 cos Ω = (y² + 1)/y and 2 sin Ω = −i (y² − 1)/y. Collect by powers of −i.
-    plus, minus = fmpz_poly([1, 0, 1]), fmpz_poly([-1, 0, 1])
-    parts = [fmpz_poly([0]) for _ in range(4)]
-    for i in range(row.degree() + 1):
-        if row[i]:
-            parts[(degree - i) % 4] += row[i] * plus**i * minus ** (degree - i)
-    real, imaginary = parts[0] - parts[2], parts[3] - parts[1]
+    # With z = e^{2iΩ}: 2 cos Ω = (z + 1)/√z and 2 sin Ω = −i (z − 1)/√z. Even and odd D − i apart,
+    # the powers of −i are signs, and a factor −i of the odd ones.
+    real, imaginary = (_collected(row, degree - odd) * _MINUS**odd for odd in (0, 1))
     cosines, sines = {}, {}
-    for k in range(degree + 1):
-        # (a + ib) y^k and its conjugate: 2a cos kΩ − 2b sin kΩ, half of it at k = 0.
-        a, b = int(real[degree + k]), int(imaginary[degree + k])
+    for k in range(degree % 2, degree + 1, 2):
+        # (a − ib) z^{k/2} and its conjugate: 2a cos kΩ + 2b sin kΩ, half of it at k = 0.
+        a, b = (int(part[(degree + k) // 2]) for part in (real, imaginary))
         if a:
             cosines[k] = a if k == 0 else 2 * a
         if b:
-            sines[k] = -2 * b
+            sines[k] = 2 * b
     return cosines, sines
+
+
+_PLUS, _MINUS = fmpz_poly([1, 1]), fmpz_poly([-1, 1])
+
+
+def _collected(row: fmpz_poly, degree: int) -> fmpz_poly:
+    """Σ_k a_{D−2k} (z + 1)^{D−2k} (−(z − 1)²)^k for D = ``degree``, as in Horner's rule."""
+    total, power = fmpz_poly([0]), fmpz_poly([1])
+    for i in range(degree, -1, -2):
+        total = total * _PLUS**2 + power * row[i]
+        power = power * -(_MINUS**2)
+    return total * _PLUS ** (degree % 2) if total else total
 
 
 @cache

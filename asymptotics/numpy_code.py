@@ -27,14 +27,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from importlib.resources import files
-from math import gcd, lcm
+from math import gcd
 
 from asymptotics.closed_form import KINDS, ClosedForms
 from asymptotics.cotangent import CotangentElement
-from asymptotics.normal_form import cotangent_terms
-
-Monomial = tuple[int, int, int]
-"""(q, m, i) for κ_q^m κ₁^i."""
+from asymptotics.normal_form import cotangent_form
+from asymptotics.partial_fractions import Monomial
 
 _WIDTH = 96
 _BLOCK = 24  # terms in one statement: longer expressions strain compilers' recursion
@@ -80,18 +78,15 @@ class _Function:
     small_power: int = 1
     longest: int = 1
 
-    def row(self, row: Mapping[Monomial, Fraction]) -> tuple[Fraction, str]:
-        """(factor, code) with Σ r κ_q^m κ₁^i = factor · code; a bracket when it has two terms."""
-        below = lcm(*(r.denominator for r in row.values()))
-        integers = {m: int(r * below) for m, r in row.items()}
-        above = gcd(*integers.values())
-        ordered = sorted(integers.items(), key=lambda item: (item[0][0], -item[0][1], item[0][2]))
+    def row(self, row: Mapping[Monomial, int]) -> tuple[int, str]:
+        """(factor, code) with Σ v κ_q^m κ₁^i = factor · code; a bracket when it has two terms."""
+        factor = gcd(*row.values())
+        ordered = sorted(row.items(), key=lambda item: (item[0][0], -item[0][1], item[0][2]))
         if ordered[0][1] < 0:
-            above = -above
-        primitive = tuple((m, v // above) for m, v in ordered)
+            factor = -factor
+        primitive = tuple((m, v // factor) for m, v in ordered)
         self.monomials.update(row)
         self.longest = max(self.longest, len(row))
-        factor = Fraction(above, below)
         if len(primitive) == 1:
             return factor, _monomial(primitive[0][0])
         return factor, self.brackets.setdefault(primitive, f"b{len(self.brackets) + 1}")
@@ -100,14 +95,12 @@ class _Function:
         """Σ_n e^n Σ_a o^a (row), over the orders n of one amplitude, as code."""
         terms = []
         for n, element in sorted(parts.items()):
-            rows: dict[int, dict[Monomial, Fraction]] = {}
-            for (a, q, m, i), value in cotangent_terms(element).items():
-                rows.setdefault(a, {})[(q, m, i)] = value
-            for a, row in sorted(rows.items()):
+            form = cotangent_form(element)
+            for a, row in form.rows.items():
                 factor, code = self.row(row)
                 self.omega_power = max(self.omega_power, a)
                 self.small_power = max(self.small_power, n)
-                terms.append(_term(factor, [_power("e", n), _power("o", a), code]))
+                terms.append(_term(form.content * factor, [_power("e", n), _power("o", a), code]))
         return _sum(terms)
 
     def preamble(self, order: int) -> list[str]:

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
-from itertools import pairwise
+from functools import cache
 
 from asymptotics.closed_form import ClosedForms, ProfileTerm, Style
 from asymptotics.cotangent import CotangentElement
 from asymptotics.normal_form import (
-    CotangentTerms,
+    CotangentForm,
     circular_form,
     common_factor,
-    cotangent_terms,
+    cotangent_form,
     resonance_cosines,
 )
+from asymptotics.partial_fractions import Monomial
 
 Signed = tuple[int, str]
 """A term of a sum: its sign and the text of its size."""
@@ -38,7 +39,7 @@ def element_text(element: CotangentElement, style: Style = "cotangent") -> str:
         return "0"
     if style == "circular":
         return _sum([_circular_signed(element)])
-    return _sum([_factored(cotangent_terms(element))])
+    return _sum([_factored(cotangent_form(element))])
 
 
 def contact_text(forms: ClosedForms, n: int, j: int) -> str:
@@ -57,7 +58,7 @@ def shape_text(forms: ClosedForms, n: int, j: int) -> str:
     for amplitude, function in forms.shape_parts(n, j):
         if not amplitude.is_zero():
             parts.append(f"({element_text(amplitude, forms.style)})*{function}")
-    return _over_sine(" + ".join(parts), n)
+    return _over_sine(parts[0] if len(parts) == 1 else f"({' + '.join(parts)})", n)
 
 
 def profile_text(forms: ClosedForms, j: int) -> str:
@@ -84,12 +85,11 @@ def profile_text(forms: ClosedForms, j: int) -> str:
 
 
 def _cotangent_part(terms: tuple[ProfileTerm, ...]) -> str:
-    forms = [cotangent_terms(term.amplitude) for term in terms]
+    forms = [cotangent_form(term.amplitude) for term in terms]
     ratio, power = common_factor(forms)
     signed: list[Signed] = []
     for term, form in zip(terms, forms, strict=True):
-        reduced = {(a - power, q, m, i): r / ratio for (a, q, m, i), r in form.items()}
-        sign, size = _factored(reduced)
+        sign, size = _factored(form, ratio, power)
         function = _function(term)
         signed.append((sign, function if size == "1" else f"{size}*{function}"))
     factor = _product(ratio, [_power("Omega", power)])
@@ -114,35 +114,47 @@ def _function(term: ProfileTerm) -> str:
     return f"(1 - cos({x}))" if term.kind == "versine" else f"({x} - sin({x}))"
 
 
-def _factored(form: CotangentTerms) -> Signed:
-    """The sign of the first term, and the rest with its common factor pulled out."""
-    ratio, power = common_factor([form])
-    first = min(form)
-    ratio = ratio if form[first] > 0 else -ratio
-    terms = _cotangent_sum({(a - power, q, m, i): r / ratio for (a, q, m, i), r in form.items()})
-    factor = _product(abs(ratio), [_power("Omega", power)])
-    sign = 1 if ratio > 0 else -1
-    if len(terms) == 1:
-        size = terms[0][1]
-        return sign, _product(abs(ratio), [_power("Omega", power), size if size != "1" else ""])
-    return sign, f"({_sum(terms)})" if factor == "1" else f"{factor}*({_sum(terms)})"
+def _factored(form: CotangentForm, ratio: Fraction = Fraction(1), power: int = 0) -> Signed:
+    """The form over ratio Ω^power: its sign, and the rest with its common factor pulled out."""
+    content = form.content / ratio
+    factor = _product(abs(content), [_power("Omega", form.lowest - power)])
+    bracket = _bracket(form)
+    if bracket == "1":
+        size = factor
+    elif _is_product(form):
+        size = _product(abs(content), [_power("Omega", form.lowest - power), bracket])
+    else:
+        size = f"({bracket})" if factor == "1" else f"{factor}*({bracket})"
+    return (1 if content > 0 else -1), size
 
 
-def _cotangent_sum(form: CotangentTerms) -> list[Signed]:
-    return [
-        (
-            1 if r > 0 else -1,
-            _product(
-                abs(r),
-                [
-                    _power("Omega", a),
-                    _power(f"cot({_multiple(q, 'Omega')})", m),
-                    _power("cot(Omega)", i),
-                ],
-            ),
-        )
-        for (a, q, m, i), r in sorted(form.items(), key=lambda item: item[0])
-    ]
+def _is_product(form: CotangentForm) -> bool:
+    return sum(map(len, form.rows.values())) == 1
+
+
+def _bracket(form: CotangentForm) -> str:
+    """The sum without its content and lowest power of Ω; its first term is positive."""
+    parts: list[str] = []
+    for a, row in form.rows.items():
+        for monomial, v in row.items():
+            names, size = _names(a - form.lowest, monomial), abs(v)
+            parts.append(" - " if v < 0 else " + ")
+            parts.append(
+                names if size == 1 and names else f"{size}*{names}" if names else str(size)
+            )
+    return "".join(parts[1:])
+
+
+@cache
+def _names(a: int, monomial: Monomial) -> str:
+    """Ω^a κ_q^m κ₁^i; empty for 1."""
+    q, m, i = monomial
+    factors = (
+        _power("Omega", a),
+        _power(f"cot({_multiple(q, 'Omega')})", m),
+        _power("cot(Omega)", i),
+    )
+    return "*".join(factor for factor in factors if factor)
 
 
 def _circular_signed(element: CotangentElement) -> Signed:
@@ -221,16 +233,5 @@ def _sum(terms: list[Signed]) -> str:
     return text + "".join(f" {'-' if sign < 0 else '+'} {size}" for sign, size in rest)
 
 
-def _is_sum(text: str) -> bool:
-    """Whether a + or − stands outside all parentheses."""
-    depth = 0
-    for character, following in pairwise(text):
-        depth += (character == "(") - (character == ")")
-        if depth == 0 and character == " " and following in "+-":
-            return True
-    return False
-
-
 def _over_sine(text: str, n: int) -> str:
-    body = f"({text})" if _is_sum(text) else text
-    return f"{body}/sin(Omega)" + (f"**{n}" if n > 1 else "")
+    return f"{text}/sin(Omega)" + (f"**{n}" if n > 1 else "")

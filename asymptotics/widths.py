@@ -21,16 +21,17 @@ from itertools import pairwise
 
 _WIDTHS = {
     **dict.fromkeys("0123456789/", 5.0),
-    **{"s": 4.69, "O": 7.91, "F": 7.82, "T": 7.24, "w": 7.43},
+    **{"s": 4.69, "O": 7.91, "F": 7.82, "T": 7.24, "w": 7.43, "S": 6.71, "Y": 8.04},
+    **{"b": 4.29, "B": 8.09, "u": 5.72, "v": 5.21},
     **{r"\xi": 4.84, r"\tau": 5.51, r"\theta": 4.98, r"\kappa": 5.77, r"\sigma": 6.08},
     **{r"\epsilon": 4.06, r"\Omega": 7.23, r"\sin": 12.28, r"\cos": 13.39, r"\times": 7.78},
-    **{"(": 3.89, ")": 3.89, "[": 2.78, "]": 2.78, ",": 2.78, "+": 7.78, "-": 7.78},
+    **{"(": 3.89, ")": 3.89, "[": 2.78, "]": 2.78, ",": 2.78, ".": 2.78, "+": 7.78, "-": 7.78},
     **{r"\bigl": 1.39, r"\bigr": 1.39, r"\Bigl": 1.95, r"\Bigr": 1.95, "=": 7.78, r"\sim": 7.78},
     **{r"\quad": 10.0, r"\qquad": 20.0},
 }
 """Points, at 10 pt; a ``\\big`` is what it adds to the bracket it enlarges."""
 
-_SCRIPT = {**dict.fromkeys("0123456789", 3.99), "(": 3.13, ")": 3.13}
+_SCRIPT = {**dict.fromkeys("0123456789", 3.99), "(": 3.13, ")": 3.13, ",": 2.82}
 _SCRIPT_SPACE = 0.5
 _FRACTION_EDGES = 2.4
 
@@ -62,10 +63,17 @@ def width(tex: str) -> float:
     >>> round(width(r"\frac{\Omega^{2}}{8}"), 1), round(width(r"\sin 2\Omega s"), 1)
     (15.8, 32.5)
     """
-    return _width(tuple(_TOKEN.findall(tex)))
+    return _of_string(tex.translate(_ALIKE))
+
+
+_ALIKE = str.maketrans("123456789", "000000000")  # digits are equally wide
 
 
 @lru_cache(maxsize=65536)
+def _of_string(tex: str) -> float:
+    return _width(tuple(_TOKEN.findall(tex)))
+
+
 def _width(tokens: tuple[str, ...]) -> float:
     total, i, left = 0.0, 0, "ordinary"
     while i < len(tokens):
@@ -146,7 +154,9 @@ class Piece:
     product: bool = False
 
 
-_WIDE = 90.0  # points: a wider factor and the bracket after it may stand on two lines
+# Points: a factor may stand on the line before its bracket when it is wider than this alone, or
+# than that with the first term in the bracket.
+_WIDE, _WIDE_OPENING = 90.0, 170.0
 _BRACKETS = ((r"\Bigl[", r"\Bigr]"), (r"\bigl[", r"\bigr]"), ("(", ")"))
 
 
@@ -167,7 +177,10 @@ def pieces(terms: Sequence[Term], depth: int = 0) -> list[Piece]:
         if term.body:
             left, right = _BRACKETS[min(depth, len(_BRACKETS) - 1)]
             inside = pieces(term.body, depth + 1)
-            joined = bool(own) and width(own[-1].tex) < _WIDE
+            joined = bool(own) and (
+                width(own[-1].tex) < _WIDE
+                and width(own[-1].tex + left + inside[0].tex) < _WIDE_OPENING
+            )
             opening = own.pop() if joined else Piece("", depth)
             inside[0] = Piece(opening.tex + left + inside[0].tex, depth, product=bool(own))
             inside[-1] = replace(inside[-1], tex=inside[-1].tex + right + term.tail)
@@ -229,12 +242,13 @@ def _line_costs(
 ) -> Iterator[tuple[int, float]]:
     """Each (end, cost) of a line of pieces ``start`` … ``end − 1``."""
     first = items[start]
-    used = width(_start(first)) if start else 0.0
+    # Together, for TeX leaves space after the sign that the line may begin with.
+    used = width(_start(first) + first.tex) if start else widths[0]
     base = _LINE_COST
     if start:
         base += _DEPTH_COST * first.depth**2 + _PRODUCT_COST * first.product
     for end in range(start + 1, len(items) + 1):
-        used += widths[end - 1]
+        used += widths[end - 1] if end > start + 1 else 0.0
         last = end == len(items)
         room = limits.line - (limits.tag if last else 0.0)
         if used > room:

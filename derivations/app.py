@@ -74,10 +74,9 @@ def without_cache(error: Exception) -> None:
     """Warn that nothing is kept; raise the error where ROPEWAVE_CACHE asked for it."""
     if os.environ.get("ROPEWAVE_CACHE"):
         raise error
-    print(
+    note(
         f"ropewave: warning: {error}: set ROPEWAVE_CACHE to a folder you may write to. "
-        "Going on, and keeping nothing",
-        file=sys.stderr,
+        "Going on, and keeping nothing"
     )
 
 
@@ -105,11 +104,11 @@ def derive(
 ) -> None:
     """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
     from derivations.files import check_folder
-    from derivations.formats import FORMATS, render, write_files
     from derivations.formats import as_json as json_object
+    from derivations.formats import render, write_files
     from derivations.progress import progress
 
-    formats = (format,) if format is not None else ("text",) if out is None else FORMATS
+    formats = _formats(format, out, order)
     written: list[Path] = []
     if out is not None:
         check_folder(out)
@@ -119,24 +118,52 @@ def derive(
         plot_period(omega, epsilon, order, plot)
         written.append(plot)
     forms, proofs = _derivation(order, style, cache, quiet=as_json)
-    pages: dict[str, dict[str, str]] = {}
+    text: dict[str, str] = {}
     if out is not None:
         with progress("writing", len(formats), quiet=as_json) as report:
             for done, name in enumerate(formats, start=1):
-                pages[name] = render(forms, proofs, name, column)
-                written += write_files(pages[name], out)
+                pages = render(forms, proofs, name, column)
+                written += write_files(pages, out)
+                text = pages if name == "text" else text
                 report(done)
     if as_json:
         result = json_object(forms, proofs)
         result["files"] = [str(path) for path in written]
         print(json_text(result))
         return
-    shown = "text" if out is not None else formats[0]
-    text = "\n".join((pages.get(shown) or render(forms, proofs, shown, column)).values())
-    if out is not None and len(text) > SCREEN:
+    if out is None and formats:
+        text = render(forms, proofs, formats[0], column)
+    _show("\n".join(text.values()), proofs, always=out is None)
+    if format is None and "text" not in formats:
+        note(_left_out(order, out))
+    wrote(*written)
+
+
+def _formats(format: str | None, out: Path | None, order: int) -> tuple[str, ...]:
+    """What to write into a folder, or to show where there is none."""
+    from derivations.formats import FORMATS, LAST_PAGE
+
+    if format is not None:
+        return (format,)
+    known = FORMATS if out is not None else ("text",)
+    pages = () if order <= LAST_PAGE else ("text", "latex")
+    return tuple(name for name in known if name not in pages)
+
+
+def _left_out(order: int, out: Path | None) -> str:
+    """Why nobody gets a text of this order unasked, and how to get it."""
+    what = "text and LaTeX are" if out is not None else "the formulas are"
+    how = "--format text or --format latex writes them"
+    if out is None:
+        how = "--out writes them as NumPy and JSON, --format text prints them"
+    return f"order {order} would fill hundreds of pages: {what} left out; {how}"
+
+
+def _show(text: str, proofs: Any, always: bool) -> None:
+    """The formulas, or the proofs alone where the formulas are long and stand in a file."""
+    if not text or (len(text) > SCREEN and not always):
         text = "\n".join(str(proof) for proof in proofs) + "\n"
     print(text, end="")
-    wrote(*written)
 
 
 def _derivation(order: int, style: str, cache: bool, quiet: bool) -> tuple[Any, Any]:

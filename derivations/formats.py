@@ -13,6 +13,9 @@ from derivations.files import write_file
 from derivations.output import json_text
 
 FORMATS = ("text", "latex", "numpy", "json")
+LAST_PAGE = 12
+"""The highest order whose formulas are pages to look at: 150 of them in two columns, and 2.6 times
+as many with every second order. Beyond, text and LaTeX are written only when asked for by name."""
 
 
 def render(

@@ -1,9 +1,10 @@
 """How time, length and memory grow with the order.
 
 ``python -m tests.benchmarks.growth --max-order 16 --out growth.png`` derives the exact string one
-order at a time in one process, then its moving frame and proof, prints a table and draws it.
-Times are processor seconds; lengths are sums over the harmonics of ξ_n; memory is the process's
-peak. The raw cotangent polynomials come from the same engine over ``sympy.polys.rings``.
+order at a time in one process, then its moving frame and proof, then its JSON and NumPy files,
+prints a table and draws it. Times are processor seconds; lengths are sums over the harmonics of
+ξ_n; memory is the process's peak. The raw cotangent polynomials come from the same engine over
+``sympy.polys.rings``.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asymptotics import Expansion, exact_string, expand, moving_frame, prove, string
-from asymptotics.normal_form import cotangent_terms
+from asymptotics import ClosedForms, Expansion, exact_string, expand, moving_frame, prove, string
+from asymptotics.normal_form import _cotangent_form, cotangent_form
+from derivations.formats import render
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HIGHEST_COTANGENT_FORM = 12
 HIGHEST_RAW = 9
 
 # Okabe & Ito's colours, with a marker each so that grey prints stay readable.
@@ -42,6 +43,7 @@ class Growth:
 
     expand_seconds: list[float] = field(default_factory=list)
     proof_seconds: list[float] = field(default_factory=list)
+    writing_seconds: list[float] = field(default_factory=list)
     canonical_terms: list[int] = field(default_factory=list)
     cotangent_terms: list[int] = field(default_factory=list)
     raw_terms: list[int] = field(default_factory=list)
@@ -78,10 +80,26 @@ def measure(max_order: int) -> Growth:
         growth.proof_memory.append(peak_megabytes())
         elements = solution.contact(n).values()
         growth.canonical_terms.append(sum(len(element.numerator) for element in elements))
-        if n <= HIGHEST_COTANGENT_FORM:
-            growth.cotangent_terms.append(sum(len(cotangent_terms(x)) for x in elements))
+        growth.cotangent_terms.append(
+            sum(sum(map(len, cotangent_form(x).rows.values())) for x in elements)
+        )
+    growth.writing_seconds = [
+        writing_seconds(Expansion(problem, solution.orders[:n])) for n in range(1, max_order + 1)
+    ]
     growth.raw_terms = raw_lengths(min(max_order, HIGHEST_RAW))
     return growth
+
+
+def writing_seconds(expansion: Expansion) -> float:
+    """JSON and NumPy of an expansion already proved, from closed forms of its own."""
+    frame = moving_frame(expansion)
+    proofs = prove(expansion, frame)
+    _cotangent_form.cache_clear()
+    begin = time.process_time()
+    forms = ClosedForms(expansion, frame)
+    for format in ("json", "numpy"):
+        render(forms, proofs, format)
+    return time.process_time() - begin
 
 
 def raw_lengths(highest: int) -> list[int]:
@@ -99,15 +117,15 @@ def raw_lengths(highest: int) -> list[int]:
 def table(growth: Growth) -> str:
     """One line an order."""
     lines = [
-        "order  expand [s]  frame + proof [s]  canonical  cotangent  raw cot.  "
+        "order  expand [s]  frame + proof [s]  JSON + NumPy [s]  canonical  cotangent  raw cot.  "
         "expand [MB]    all [MB]"
     ]
     for i in range(len(growth.expand_seconds)):
-        cotangent = growth.cotangent_terms[i] if i < len(growth.cotangent_terms) else "-"
         raw = growth.raw_terms[i] if i < len(growth.raw_terms) else "-"
         lines.append(
             f"{i + 1:5d} {growth.expand_seconds[i]:11.4f} {growth.proof_seconds[i]:18.4f} "
-            f"{growth.canonical_terms[i]:10d} {cotangent:>10} {raw:>9} "
+            f"{growth.writing_seconds[i]:17.4f} "
+            f"{growth.canonical_terms[i]:10d} {growth.cotangent_terms[i]:10d} {raw:>9} "
             f"{growth.expand_memory[i]:12.1f} {growth.proof_memory[i]:11.1f}"
         )
     return "\n".join(lines)
@@ -132,6 +150,7 @@ def draw(growth: Growth) -> Figure:
 
     curve(times, growth.expand_seconds, "blue", "expansion")
     curve(times, growth.proof_seconds, "vermilion", "moving frame and proof")
+    curve(times, growth.writing_seconds, "green", "JSON and NumPy")
     times.set(title="Time, orders 1 … N", ylabel="processor time (s)")
     curve(lengths, growth.raw_terms, "purple", "raw cotangents")
     curve(lengths, growth.canonical_terms, "blue", "one cotangent (canonical)")

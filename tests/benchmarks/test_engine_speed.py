@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import pytest
 
-from asymptotics import exact_string, expand, float_string, moving_frame, prove
+from asymptotics import ClosedForms, exact_string, expand, float_string, moving_frame, prove
+from asymptotics.normal_form import _cotangent_form
+from derivations.formats import FORMATS, render
 from tests.benchmarks.rivals import OURS, RIVALS, largest_error
 
 HIGHEST_RIVAL_ORDER = 5
@@ -35,6 +37,31 @@ def test_high_order(benchmark, order, claim):
         expand, (exact_string(), order), rounds=1 if order > 12 else 3, warmup_rounds=0
     )
     assert max(solution.contact(order)) == order
+
+
+def derive_to_order_10():
+    solution = expand(exact_string(), 10)
+    return solution, moving_frame(solution)
+
+
+@pytest.mark.benchmark(group="writing against deriving, order 10")
+@pytest.mark.parametrize("what", ["expanding and proving", *FORMATS, "all formats"])
+def test_writing(benchmark, what):
+    """Every format from closed forms of its own; all formats together share their elements."""
+    if what == "expanding and proving":
+        benchmark.pedantic(lambda: prove(*derive_to_order_10()), rounds=3)
+        return
+    solution, frame = derive_to_order_10()
+    proofs = prove(solution, frame)
+
+    def fresh():
+        _cotangent_form.cache_clear()
+        return (ClosedForms(solution, frame),), {}
+
+    def write(forms):
+        return [render(forms, proofs, name) for name in FORMATS if what in (name, "all formats")]
+
+    assert all(benchmark.pedantic(write, setup=fresh, rounds=3))
 
 
 @pytest.mark.benchmark(group="numbers, order 20")

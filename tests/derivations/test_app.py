@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import sympy
 
+from derivations import formats
 from derivations.app import GOLDEN, main
 
 
@@ -81,6 +82,44 @@ def test_one_format_goes_to_the_screen(format: str, capsys: pytest.CaptureFixtur
     out = capsys.readouterr().out
     marks = {"text": "F_2 =", "latex": "\\label{eq:rope:F2", "numpy": "def profile(", "json": "{"}
     assert marks[format] in out
+
+
+def test_beyond_the_last_page_the_useful_formats_are_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a high order nobody gets pages unasked: one line says so, and how to get them."""
+    monkeypatch.setattr(formats, "LAST_PAGE", 2)
+    useful = {"string-order3.json", "string_order3.py"}
+    assert run("derive", "--order", "3", "--out", str(tmp_path / "a")) == 0
+    assert {path.name for path in (tmp_path / "a").iterdir()} == useful
+    captured = capsys.readouterr()
+    line = "order 3 would fill hundreds of pages: text and LaTeX are left out; --format text or"
+    assert captured.err.count(line) == 1
+    assert "F_2 = " not in captured.out
+    assert captured.out.count("proved") == 4
+
+    assert run("derive", "--order", "3") == 0
+    captured = capsys.readouterr()
+    assert "the formulas are left out; --out writes them as NumPy and JSON" in captured.err
+    assert "F_2 = " not in captured.out
+    assert captured.out.count("proved") == 4
+
+    # Asked for by name they are written, and shown; an order below the limit has them all.
+    assert run("derive", "--order", "3", "--format", "text", "--out", str(tmp_path / "b")) == 0
+    assert {path.name for path in (tmp_path / "b").iterdir()} == {"string-order3.txt"}
+    assert run("derive", "--order", "3", "--format", "latex") == 0
+    captured = capsys.readouterr()
+    assert "left out" not in captured.err
+    assert r"\label{eq:rope:F2}" in captured.out
+    assert run("derive", "--order", "2") == 0
+    captured = capsys.readouterr()
+    assert "left out" not in captured.err
+    assert "F_2 = " in captured.out
+
+    assert run("derive", "--order", "3", "--json", "--out", str(tmp_path / "c")) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert {Path(name).name for name in json.loads(captured.out)["files"]} == useful
 
 
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
