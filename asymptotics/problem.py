@@ -259,6 +259,8 @@ def accurate_cot(j: int, omega: float) -> float:
 
 # √u, u = 2⁻⁵²: closer than that to a pole, half the digits of a cotangent are rounding.
 RESOLUTION = 2.0**-26
+# The same of a phase jΩτ: beyond, its own rounding is more than that.
+LARGEST_PHASE = RESOLUTION * 2.0**53
 
 
 def pole_at(x: float) -> int:

@@ -28,7 +28,7 @@ from asymptotics.checks import axis, finite_number, positions
 from asymptotics.errors import InputError, OrderingError
 from asymptotics.expansion import Expansion, Progress
 from asymptotics.harmonics import Harmonics
-from asymptotics.problem import RESOLUTION
+from asymptotics.problem import LARGEST_PHASE, RESOLUTION
 from asymptotics.profile import MovingFrame, moving_frame
 from asymptotics.solutions import solutions
 
@@ -199,12 +199,12 @@ def _rest(expansion: Expansion[Any]) -> float:
 
 def _resolved(j: int, phase: Array, times: Array) -> Array:
     """The phase of harmonic j, when doubles know it to half their digits."""
-    unresolved = ~(np.abs(phase) * _UNIT <= RESOLUTION)
+    unresolved = ~(np.abs(phase) <= LARGEST_PHASE)
     if unresolved.any():
         worst = int(np.flatnonzero(unresolved)[0])
         raise InputError(
             f"tau = {times[worst]!s}: the phase of harmonic {j}, {phase[worst]:.3g}, is beyond "
-            f"{RESOLUTION / _UNIT:.3g}, where double precision does not resolve it; take whole "
+            f"{LARGEST_PHASE:.3g}, where double precision does not resolve it; take whole "
             "periods off tau"
         )
     return phase
