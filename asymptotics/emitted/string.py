@@ -130,6 +130,7 @@ def profile_error(s: Any, tau: Any, omega: Any, epsilon: Any, xp: Any = np) -> A
 
 def _contact_harmonics(o: Any, e: Any, k: Any) -> dict[int, Any]:
     """{j: amplitude of cos(j omega tau) in x_c/x0}, with o = omega, e = epsilon/sin(omega)."""
+    (k1,) = k
     h1 = e * o / 2
     return {0: 0.0, 1: h1}
 
@@ -139,6 +140,7 @@ def _profile_amplitudes(o: Any, e: Any, k: Any) -> dict[int, dict[tuple[int, int
 
     kind 0, 1 - cos(k omega s), named v; kind 1, k omega s - sin(k omega s), named d.
     """
+    (k1,) = k
     d1_1 = e
     return {
         0: {},

@@ -388,11 +388,12 @@ def test_order_one_is_the_hand_written_module(sixth: Expansion) -> None:
     """What other orders are put into runs as it stands, and is the emitted module of order 1."""
     from asymptotics.emitted import string
 
-    first = module_from(numpy_module(ClosedForms(Expansion(sixth.problem, sixth.orders[:1]))))
-    assert (first.ORDER, first.POWER, first.ROUNDINGS) == (1, string.POWER, string.ROUNDINGS)
-    for function, names in ARGUMENTS.items():
-        arguments = [points(50)[name] for name in names]
-        assert (getattr(first, function)(*arguments) == getattr(string, function)(*arguments)).all()
+    emitted = numpy_module(ClosedForms(Expansion(sixth.problem, sixth.orders[:1])))
+    written = Path(string.__file__).read_text(encoding="utf-8")
+    differing = [
+        (a, b) for a, b in zip(emitted.splitlines(), written.splitlines(), strict=True) if a != b
+    ]
+    assert [a[:9] for a, _ in differing] == ["Generated"]
 
 
 def test_needs_numpy_only_and_is_the_same_every_time(tmp_path: Path) -> None:
