@@ -193,6 +193,7 @@ def beam(
         end_unit=lambda j: 2 * wave(j).decay,
         load=ring.rational(2),
         static_end_residual=lambda: sum(static_end_residuals(shape, numbers)),
+        rest=shape.contact_point,
     )
 
 

@@ -26,19 +26,24 @@ def finite_number(name: str, value: Any) -> float:
     return number
 
 
-def positions(s: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Positions s = (x − x_c)/x₀ ≤ 0 as an array.
+def positions(s: npt.ArrayLike, times: int) -> npt.NDArray[np.float64]:
+    """Positions s = (x − x_c)/x₀ ≤ 0, one list for all times or a row for each of them.
 
-    >>> positions([-0.5, 0.0])
+    >>> positions([-0.5, 0.0], 3)
     array([-0.5,  0. ])
     """
-    array = axis("s", s)
+    table = np.ndim(s) == 2 if not isinstance(s, str) else False
+    if table and np.shape(s)[0] != times:
+        raise InputError(
+            f"s has {np.shape(s)[0]} rows for {times} times; give one list, or a row for each time"
+        )
+    array = axis("s", np.ravel(s) if table else s)
     if array.size and array.max() > 0:
         raise InputError(
             f"s = {float(array.max())!r} is beyond the contact point; "
             "the profile is defined for s = (x − x_c)/x₀ ≤ 0"
         )
-    return array
+    return array.reshape(np.shape(s)) if table else array
 
 
 def axis(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:

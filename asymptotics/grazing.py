@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asymptotics.errors import InputError
-from asymptotics.evaluate import sine_defect, versine
+from asymptotics.solutions import sine_defect, versine
 
 Array = npt.NDArray[np.float64]
 EPS = 2.0**-52

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asymptotics.errors import InputError, ResonanceError
-from asymptotics.problem import RESOLUTION
+from asymptotics.problem import LARGEST_PHASE, RESOLUTION
 
 # Beyond, doubles cannot tell a resonance from its neighbours: the bound of check_frequency.
 _LARGEST = 1.0e6
@@ -59,8 +59,10 @@ def transfer(omega: ArrayLike) -> NDArray[Any]:
             f"omega holds a number beyond {_LARGEST:g}, where double precision cannot tell a "
             "resonance from its neighbours; give smaller frequencies"
         )
-    sine = np.sin(values)
-    nearest = np.rint(values.real / math.pi)
+    # H is even, and e^{−iΩ} overflows where Im Ω ≫ 1: there sin Ω is what e^{iΩ} makes of it.
+    far = np.abs(values.imag) > 1.0
+    sine = np.sin(np.where(far, 1.0, values))
+    nearest = np.where(far, 0, np.rint(values.real / math.pi))
     # As in check_frequency: any closer than √u and half the digits of sin Ω are rounding.
     bad = (nearest != 0) & (np.abs(sine) <= RESOLUTION * np.maximum(1.0, np.abs(values)))
     if np.any(bad):
@@ -72,8 +74,11 @@ def transfer(omega: ArrayLike) -> NDArray[Any]:
             p,
             1,
         )
-    result = np.full(values.shape, 0.5, dtype=values.dtype)
-    np.divide(values, 2.0 * sine, out=result, where=values != 0)
+    result = np.full(values.shape, 0.5, dtype=values.dtype)  # H = 1/2 + Ω²/12 + …
+    np.divide(values, 2.0 * sine, out=result, where=~far & (np.abs(values) > 2.0**-27))
+    if far.any():
+        upper = np.where(values[far].imag < 0, -values[far], values[far])
+        result[far] = -1j * upper * np.exp(1j * upper) / (1.0 - np.exp(2j * upper))
     return result
 
 
@@ -101,7 +106,7 @@ def contact_response(rate: Callable[[NDArray[Any]], ArrayLike], tau: ArrayLike) 
     ------
     InputError
         ``rate`` is not callable, or returns another shape or not finite numbers; ``tau`` is not
-        real and finite; or the sum has more than 10⁹ terms.
+        real and finite; or the sum has more than 10⁹ terms, or overflows.
 
     Examples
     --------
@@ -121,7 +126,7 @@ def contact_response(rate: Callable[[NDArray[Any]], ArrayLike], tau: ArrayLike) 
     if np.sum(late) > _MOST:
         raise InputError(
             f"tau asks for {np.sum(late):.3g} echoes, more than {_MOST:g}; give fewer or earlier "
-            "times, or use contact_response_spectrum"
+            "times, or ask contact_response_spectrum for the state after the transient"
         )
     # In the order of time each further echo reaches a shorter tail of the sorted times.
     order = np.argsort(times, axis=None)
@@ -137,10 +142,11 @@ def contact_response(rate: Callable[[NDArray[Any]], ArrayLike], tau: ArrayLike) 
                 "must work entry by entry"
             )
         total = total.astype(np.result_type(total, values), copy=False)
-        total[first:] += values
+        with np.errstate(over="ignore", invalid="ignore"):
+            total[first:] += values
     result = np.empty_like(total)
     result[order] = total
-    return result.reshape(times.shape)
+    return _finite(result).reshape(times.shape)
 
 
 def contact_response_spectrum(
@@ -166,7 +172,9 @@ def contact_response_spectrum(
     Raises
     ------
     InputError
-        Shapes differ, entries that are no finite numbers, or what :func:`transfer` refuses.
+        Shapes differ, entries that are no finite numbers, or what :func:`transfer` refuses; a phase
+        Ω_m τ beyond 2²⁷, which doubles do not resolve to half their digits; or a sum that
+        overflows.
     ResonanceError
         Some Ω_m is at pπ.
 
@@ -184,8 +192,28 @@ def contact_response_spectrum(
     times = _real("tau", tau)
     weights = transfer(omega) * a
     result = np.zeros(times.shape, dtype=np.complex128)
-    for frequency, weight in zip(omega, weights, strict=True):
-        result += weight * np.exp(1j * frequency * times)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for frequency, weight in zip(omega, weights, strict=True):
+            _check_phase(frequency * times)
+            result += weight * np.exp(1j * frequency * times)
+    return _finite(result)
+
+
+def _check_phase(phase: NDArray[Any]) -> None:
+    largest = np.max(np.abs(phase.real), initial=0.0)
+    if not largest <= LARGEST_PHASE:
+        raise InputError(
+            f"tau reaches the phase {largest:.3g}, beyond {LARGEST_PHASE:.3g}, where double "
+            "precision does not resolve it; take whole periods off tau"
+        )
+
+
+def _finite(result: NDArray[Any]) -> NDArray[Any]:
+    if not np.isfinite(result).all():
+        raise InputError(
+            "the response overflows double precision; give smaller amplitudes, or times at which a "
+            "growing drive is smaller"
+        )
     return result
 
 

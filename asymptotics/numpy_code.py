@@ -16,13 +16,15 @@ combinations, scaled to coprime integers, recur over and over. Each becomes one 
 
 What cancellation remains is bounded, not hoped away. Let M be the same formula with every
 coefficient, cotangent and sign replaced by its absolute value. A term passes through at most R
-roundings on its way into the result, R counted here at emission, so that to first order in
-u = 2⁻⁵³ the error is at most R u M. The emitted ``contact_error`` and ``profile_error`` return
-that bound; near a resonance it grows like the terms themselves.
+roundings on its way into the result, R counted here at emission, so that to first order in the unit
+roundoff u of the format that is computed in (2⁻⁵³ for doubles) the error is at most R u M. The
+emitted ``contact_error`` and ``profile_error`` return that bound; near a resonance it grows like
+the terms themselves.
 """
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -42,8 +44,10 @@ _EXACT = 2**53  # integers below are doubles without rounding
 def numpy_module(forms: ClosedForms) -> str:
     """The source of a module with ``contact`` and ``profile`` through the order of ``forms``.
 
-    The module depends on NumPy only, broadcasts over all arguments and takes any Array-API
-    namespace as ``xp``; ``contact_error`` and ``profile_error`` bound the rounding.
+    It is :mod:`asymptotics.emitted.string` with the amplitudes of this order: it depends on NumPy
+    only, broadcasts over all arguments and takes any Array-API namespace as ``xp``;
+    ``contact_error`` and ``profile_error`` bound the rounding. What it answers where there is no
+    result, its docstring says.
 
     Examples
     --------
@@ -54,18 +58,78 @@ def numpy_module(forms: ClosedForms) -> str:
     1.01122152
     """
     contact, profile = _Function(), _Function()
-    body = {
-        "CONTACT_LINES": _contact_body(forms, contact),
-        "PROFILE_LINES": _profile_body(forms, profile),
+    bodies = {
+        "_contact_harmonics": _contact_body(forms, contact),
+        "_profile_amplitudes": _profile_body(forms, profile),
     }
-    order = forms.order
-    body["ORDER"] = str(order)
-    body["ROUNDINGS"] = str(_roundings(order, contact, profile))
-    body["RESONANCES"] = f"omega = p pi/q, q <= {order}" if order > 1 else "omega = p pi"
-    text = (files("asymptotics") / "numpy_template.txt").read_text(encoding="utf-8")
-    for key, value in body.items():
-        text = text.replace(f"@{key}@", value)
-    return text
+    constants = {
+        "ORDER": forms.order,
+        "POWER": max(contact.highest, profile.highest),
+        "ROUNDINGS": _roundings(forms.order, contact, profile),
+    }
+    source = with_definitions(emitted_source("string"), bodies, constants)
+    return titled(source, forms.order, "numpy_code")
+
+
+def emitted_source(name: str) -> str:
+    """The source of one of the modules that other orders are written into."""
+    return (files("asymptotics.emitted") / f"{name}.py").read_text(encoding="utf-8")
+
+
+def with_definitions(
+    source: str,
+    bodies: Mapping[str, str],
+    constants: Mapping[str, int],
+    functions: Mapping[str, str] | None = None,
+) -> str:
+    """A module's source with other constants and functions.
+
+    Parameters
+    ----------
+    bodies
+        What follows the docstring of a function, by its name.
+    constants, functions
+        Values, and whole definitions, by the name.
+
+    Examples
+    --------
+    >>> print(with_definitions("N = 1", {}, {"N": 7}), end="")
+    N = 7
+    """
+    lines = source.splitlines()
+    for node in reversed(ast.parse(source).body):
+        if isinstance(node, ast.FunctionDef) and node.name in bodies:
+            first = node.body[1 if ast.get_docstring(node) is not None else 0]
+            lines[first.lineno - 1 : node.end_lineno] = bodies[node.name].splitlines()
+        elif isinstance(node, ast.FunctionDef) and node.name in (functions or {}):
+            assert functions is not None
+            lines[node.lineno - 1 : node.end_lineno] = functions[node.name].splitlines()
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            name = node.targets[0].id
+            if name in constants:
+                lines[node.lineno - 1] = f"{name} = {constants[name]}"
+    return "\n".join(lines) + "\n"
+
+
+def functions_of(source: str) -> dict[str, str]:
+    """The definitions of a module's functions, by name.
+
+    >>> functions_of("def f():\\n    return 0")
+    {'f': 'def f():\\n    return 0'}
+    """
+    return {
+        node.name: ast.get_source_segment(source, node) or ""
+        for node in ast.parse(source).body
+        if isinstance(node, ast.FunctionDef)
+    }
+
+
+def titled(source: str, order: int, module: str) -> str:
+    """The source with its docstring's first lines those of an emitted module of this order."""
+    return source.replace("through order 1", f"through order {order}", 1).replace(
+        f"Order 1 is written by hand; asymptotics.{module} puts in the amplitudes of the others.",
+        "Generated by ropewave from the exact expansion: regenerate it rather than edit it.",
+    )
 
 
 @dataclass
@@ -77,6 +141,12 @@ class _Function:
     omega_power: int = 1
     small_power: int = 1
     longest: int = 1
+
+    @property
+    def highest(self) -> int:
+        """The highest power of anything that is large or small with Ω."""
+        cotangents = max((m + i for _, m, i in self.monomials), default=0)
+        return max(self.omega_power, self.small_power, cotangents)
 
     def row(self, row: Mapping[Monomial, int]) -> tuple[int, str]:
         """(factor, code) with Σ v κ_q^m κ₁^i = factor · code; a bracket when it has two terms."""
@@ -105,9 +175,8 @@ class _Function:
 
     def preamble(self, order: int) -> list[str]:
         """Unpacking, powers, monomials and brackets, in the order of their dependence."""
-        lines = [
-            ", ".join(f"k{q}" for q in range(1, order + 1)) + (" = k" if order > 1 else ", = k")
-        ]
+        names = ", ".join(f"k{q}" for q in range(1, order + 1))
+        lines = [f"{names} = k" if order > 1 else f"({names},) = k"]
         lines += _power_lines("o", self.omega_power) + _power_lines("e", self.small_power)
         powers: dict[int, int] = {}
         for q, m, i in self.monomials:
@@ -184,7 +253,8 @@ def _roundings(order: int, *functions: _Function) -> int:
         degree = max((m + i for _, m, i in function.monomials), default=0)
         chain = degree * (cotangent + 1)  # powers and products of cotangents
         chain += min(function.longest, _BLOCK) + function.longest // _BLOCK + 2  # the bracket
-        chain += function.omega_power + 3 * function.small_power + 3  # powers, ε/sin Ω, factor
+        # Powers, ε/sin Ω, the factor; integers, which formats narrower than a double round.
+        chain += function.omega_power + 3 * function.small_power + 3 + 3
         worst = max(worst, chain)
     # Σ over the powers of Ω and ε in one amplitude, over j, over k and both kinds; the recurrence
     # of the cosines loses up to a few ulp a step.

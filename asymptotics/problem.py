@@ -75,6 +75,9 @@ class Problem(Generic[E]):
         normalised that a unit drive leaves ``end_unit(j)``.
     load, static_end_residual
         What the static shape leaves of the PDE (its weight), and of the driven end (zero).
+    rest
+        ξ₀, the static contact point; None where it is no element of the ring. The expansion does
+        not need it, its values do.
     """
 
     name: str
@@ -90,6 +93,7 @@ class Problem(Generic[E]):
     end_unit: Callable[[int], E] = field(repr=False)
     load: E = field(repr=False)
     static_end_residual: Callable[[], E] = field(repr=False)
+    rest: E | None = None
 
 
 def driven_string(
@@ -146,6 +150,7 @@ def driven_string(
         load=ring.rational(2),
         # (ξ − 1)² at ξ = 0 is a₂/2, and the driven end is held at 1.
         static_end_residual=lambda: ring.sum([ring.rational(2, 2), ring.rational(-1)]),
+        rest=ring.one,
     )
 
 
@@ -254,6 +259,8 @@ def accurate_cot(j: int, omega: float) -> float:
 
 # √u, u = 2⁻⁵²: closer than that to a pole, half the digits of a cotangent are rounding.
 RESOLUTION = 2.0**-26
+# The same of a phase jΩτ: beyond, its own rounding is more than that.
+LARGEST_PHASE = RESOLUTION * 2.0**53
 
 
 def pole_at(x: float) -> int:

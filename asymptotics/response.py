@@ -1,34 +1,46 @@
-r"""Contact point and profile of any string problem, from its expansion over numbers.
+r"""Contact point and profile of any problem, from its expansion over numbers.
 
-:mod:`asymptotics.evaluate` does this for the paper's drive; here the drive may have several
-frequencies and phases, and the wavenumbers k_j may be complex (damping):
+The drive may have several frequencies and phases, the coefficients may be complex (damping), and
+the equation of a harmonic may be of any degree (bending):
 
-.. math:: ξ_c ∼ 1 + \sum_{n≤N} ε^n ξ_n(τ), \qquad
-          \frac{w}{Z_0} ∼ s^2 - \sum_j \Bigl[G_{j,0} (1 − \cos k_js)
-                          + G_{j,1} \Bigl(s − \frac{\sin k_js}{k_j}\Bigr)\Bigr]
+.. math:: ξ_c ∼ ξ_0 + \sum_{n≤N} ε^n ξ_n(τ), \qquad
+          \frac{w}{Z_0} ∼ \sum_l G_l ψ_l(s) + \sum_k \sum_l G_{k,l} ψ_{k,l}(s)
 
-with the G of :mod:`asymptotics.profile`; the terms in 1 and s are those that the contact conditions
-cancel, and are left out rather than computed.
+with ξ₀ the problem's static contact point, the G of :mod:`asymptotics.profile` through ε^N and the
+solutions ψ of :mod:`asymptotics.solutions`: the powers of s below m are those that the contact
+conditions cancel, and are left out rather than computed.
+
+**Where there is a rope.** The profile belongs to −ξ_c(τ) ≤ s ≤ 0 alone. Beyond the driven end the
+formulas go on, but say nothing of a rope, and are refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from asymptotics.checks import axis, finite_number, positions
-from asymptotics.errors import OrderingError
-from asymptotics.evaluate import is_ordered, order_sizes, sine_defect, versine
-from asymptotics.expansion import Expansion
+from asymptotics.errors import InputError, OrderingError
+from asymptotics.expansion import Expansion, Progress
 from asymptotics.harmonics import Harmonics
-from asymptotics.profile import moving_frame
+from asymptotics.problem import LARGEST_PHASE, RESOLUTION
+from asymptotics.profile import MovingFrame, moving_frame
+from asymptotics.solutions import solutions
 
 Array = npt.NDArray[Any]
 Phase = Callable[[int], Array]
+
+MOST = 10**8
+"""Values of one profile: 0.8 GB."""
+
+_UNIT = 2.0**-53
+# Roundings that a coefficient of the profile has gone through before it meets its solution.
+_ROUNDINGS = 64
 
 
 @dataclass(frozen=True)
@@ -37,10 +49,12 @@ class Response:
 
     Attributes
     ----------
+    epsilon
+        The value of the small parameter.
     s, tau
-        Positions s = (x − x_c)/x₀ ≤ 0, shape (S,), and times τ = ct/x₀, shape (T,).
+        Positions s = (x − x_c)/x₀ ≤ 0, shape (S,) or (T, S), and times τ = ct/x₀, shape (T,).
     contact
-        ξ_c at each τ, shape (T,).
+        ξ_c = x_c/x₀ at each τ, shape (T,).
     profile
         w/Z₀, rows over τ and columns over s, shape (T, S).
     terms
@@ -74,26 +88,37 @@ def response(
     epsilon: float,
     s: npt.ArrayLike,
     tau: npt.ArrayLike,
+    progress: Progress | None = None,
 ) -> Response:
-    """Evaluate an expansion in ε over floats or complex numbers.
+    """Evaluate an expansion over floats or complex numbers.
 
     Parameters
     ----------
     expansion
-        Of :func:`~asymptotics.forcing.forced_string` or :func:`~asymptotics.damped.damped_string`.
+        Of any problem over numbers that states its static contact point:
+        :func:`~asymptotics.forcing.forced_string`, :func:`~asymptotics.damped.damped_string`,
+        :func:`~asymptotics.beam.float_beam`.
     phase
         (j, τ) ↦ θ_j, as :meth:`asymptotics.forcing.Drive.phase`.
     epsilon
-        Forcing amplitude in units of Z₀.
-    s, tau
-        Numbers or one-dimensional lists; s ≤ 0.
+        The problem's small parameter: the forcing amplitude ε in units of Z₀ for the problems
+        above, ε/sin Ω for :func:`~asymptotics.problem.float_string`.
+    s
+        A number or a one-dimensional list, the same at all times, or a table with a row for each
+        time; −ξ_c(τ) ≤ s ≤ 0.
+    tau
+        A number or a one-dimensional list.
+    progress
+        Called with n when order n of the profile is known.
 
     Raises
     ------
     InputError
-        Values that are not finite, s > 0.
+        Values that are not finite; s outside the lifted part; τ so large that a phase is not
+        resolved; more than 10⁸ values; an expansion that is not over numbers, or whose problem does
+        not state ξ₀; or boundary layers so thin that rounding has the profile.
     OrderingError
-        ε so large that a later order exceeds the first, or that the first exceeds 1.
+        ε so large that a later order exceeds the first, or that the first exceeds ξ₀.
 
     Examples
     --------
@@ -103,14 +128,39 @@ def response(
     >>> result = response(expand(forced_string(drive, 6), 6), drive.phase, 0.02, [-1.0], [0.0])
     >>> result.contact.round(8), result.profile.round(8)
     (array([1.01116192]), array([[0.99763133]]))
+
+    With bending:
+
+    >>> from asymptotics.beam import float_beam
+    >>> solution = expand(float_beam(0.01, 2.2, 3), 3)
+    >>> result = response(solution, lambda j, tau: 2.2 * j * tau, 0.02, [-0.5], [0.0])
+    >>> result.contact.round(8), result.profile.round(8)
+    (array([1.13039172]), array([[0.16698635]]))
     """
-    places, times = positions(s), axis("tau", tau)
-    epsilon = finite_number("epsilon", epsilon)
-    terms = _check_ordering(expansion, epsilon)
-    contact = np.ones_like(times)
-    for n in range(1, expansion.order + 1):
-        contact += epsilon**n * real_series(expansion.contact(n), lambda j: phase(j, times), times)
-    profile = _profile(expansion, lambda j: phase(j, times), epsilon, places, times)
+    epsilon, times = finite_number("epsilon", epsilon), axis("tau", tau)
+    places = positions(s, times.size)
+    count = times.size * places.shape[-1]
+    if count > MOST:
+        raise InputError(
+            f"{times.size} times × {places.shape[-1]} positions are {count} values, more than "
+            f"{MOST:g}; give fewer at once"
+        )
+    rest = _rest(expansion)
+    terms = check_ordering(expansion, epsilon, rest)
+    phases = cache(lambda j: _resolved(j, phase(j, times), times))
+    try:
+        contact = np.full(times.shape, rest)
+        for n in range(1, expansion.order + 1):
+            contact += epsilon**n * real_series(expansion.contact(n), phases, times)
+        _check_driven_end(places, times, contact)
+        profile = np.zeros((times.size, places.shape[-1]))
+        if count:
+            profile = _profile(moving_frame(expansion, progress), phases, epsilon, places, times)
+    except MemoryError:
+        raise InputError(
+            f"not enough memory for a profile at {times.size} times × {places.shape[-1]} "
+            "positions; give fewer at once"
+        ) from None
     return Response(epsilon, expansion.order, places, times, contact, profile, terms)
 
 
@@ -122,46 +172,130 @@ def real_series(harmonics: Harmonics[Any], phase: Phase, like: Array) -> Array:
     """
     total = np.zeros_like(like)
     for j, c in harmonics.items():
-        wave = c * np.exp(1j * phase(j)) if j else np.full(like.shape, c)
-        total += (2.0 if j else 1.0) * wave.real
+        value = complex(c)
+        if j == 0:
+            total += value.real
+            continue
+        total += 2.0 * value.real * np.cos(phase(j))
+        if value.imag:
+            total -= 2.0 * value.imag * np.sin(phase(j))
     return total
 
 
+def _rest(expansion: Expansion[Any]) -> float:
+    """ξ₀, when the expansion is over numbers."""
+    name = expansion.problem.name
+    try:
+        values = [complex(c) for n in expansion.orders for c in n.contact.values()]
+        if expansion.problem.rest is None:
+            raise TypeError
+        return float(np.real(expansion.problem.rest)) + 0.0 * len(values)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"the expansion of {name!r} is not over numbers at one frequency, or does not state "
+            "where the contact point rests; expand forced_string, damped_string or float_beam"
+        ) from None
+
+
+def _resolved(j: int, phase: Array, times: Array) -> Array:
+    """The phase of harmonic j, when doubles know it to half their digits."""
+    unresolved = ~(np.abs(phase) <= LARGEST_PHASE)
+    if unresolved.any():
+        worst = int(np.flatnonzero(unresolved)[0])
+        raise InputError(
+            f"tau = {times[worst]!s}: the phase of harmonic {j}, {phase[worst]:.3g}, is beyond "
+            f"{LARGEST_PHASE:.3g}, where double precision does not resolve it; take whole "
+            "periods off tau"
+        )
+    return phase
+
+
+def _check_driven_end(s: Array, times: Array, contact: Array) -> None:
+    """No position beyond the driven end.
+
+    ξ_c is known to half the digits at least, see :data:`~asymptotics.problem.RESOLUTION`: a
+    position that misses the driven end by less than that is the driven end.
+    """
+    if not s.size:
+        return
+    beyond = s.min(axis=-1) < -contact - RESOLUTION
+    if beyond.any():
+        i = int(np.flatnonzero(beyond)[0])
+        least = float(s.min() if s.ndim == 1 else s[i].min())
+        raise InputError(
+            f"s = {least!r} is beyond the driven end, which is at s = {-contact[i]:.10g} when "
+            f"tau = {times[i]:.10g}; give {-contact[i]:.10g} <= s <= 0 there"
+            + (f", or {-contact.min():.10g} <= s <= 0 for all tau" if times.size > 1 else "")
+        )
+
+
 def _profile(
-    expansion: Expansion[Any], phase: Phase, epsilon: float, s: Array, times: Array
+    frame: MovingFrame[Any], phase: Phase, epsilon: float, s: Array, times: Array
 ) -> Array:
-    problem, frame = expansion.problem, moving_frame(expansion)
-    profile = np.broadcast_to(s * s, (times.size, s.size)).copy()
-    for k, (value, slope) in frame.modes.items():
-        wavenumber = np.sqrt(complex(-problem.mode(k).reduction[0]))
-        if wavenumber == 0:
-            continue  # the mean has no part but 1 and s
-        amplitudes = []
-        for series in (value, slope):
-            total = np.zeros(times.shape, dtype=complex)
-            for n in range(1, expansion.order + 1):
-                if problem.ring.even:
-                    total += epsilon**n * real_series(series[n], phase, times)
-                else:
-                    for j, c in series[n].items():
-                        total += 2.0 * epsilon**n * c * np.exp(1j * phase(j))
-            amplitudes.append(total)
-        x = wavenumber * s
-        profile -= (
-            np.multiply.outer(amplitudes[0], versine(x))
-            + np.multiply.outer(amplitudes[1], sine_defect(x) / wavenumber)
-        ).real
+    problem = frame.expansion.problem
+    ring, m = problem.ring, problem.contact_order
+
+    def amplitude(series: Sequence[Harmonics[Any]], real: bool) -> Array:
+        total: Array = np.zeros(times.shape, dtype=float if real else complex)
+        for n, harmonics in enumerate(series):
+            if real:
+                total += epsilon**n * real_series(harmonics, phase, times)
+            else:
+                for j, c in harmonics.items():
+                    total += 2.0 * epsilon**n * c * np.exp(1j * phase(j))
+        return total
+
+    parts = [(problem.static_reduction, frame.static, True)]
+    for k, series in frame.modes.items():
+        parts.append((problem.mode(k).reduction, series, ring.even or k == 0))
+    profile, size = np.zeros((times.size, s.shape[-1])), 0.0
+    for reduction, rows, real in parts:
+        chi = [complex(x).real if real else complex(x) for x in reduction]
+        factors, psi = np.stack([amplitude(row, real) for row in rows]), solutions(chi, m, s)
+        size = max(
+            size, *(np.abs(f).max() * np.abs(p).max() for f, p in zip(factors, psi, strict=True))
+        )
+        profile += (factors.T @ psi if s.ndim == 1 else np.einsum("lt,lts->ts", factors, psi)).real
+    if not size * _ROUNDINGS * _UNIT <= RESOLUTION:
+        raise InputError(
+            f"the profile of {problem.name!r} cancels terms of size {size:.2g}: its layers are "
+            "thinner than double precision resolves from the contact point; with bending, use the "
+            "module that asymptotics.beam_numpy writes, which holds for every beta"
+        )
     return profile
 
 
-def _check_ordering(expansion: Expansion[Any], epsilon: float) -> tuple[float, ...]:
-    """Each order's bound; see :class:`asymptotics.errors.OrderingError`."""
-    terms = order_sizes(expansion, epsilon)
-    if not is_ordered(terms):
-        raise OrderingError(
-            f"epsilon = {epsilon!r} is too large for order {expansion.order} of "
-            f"{expansion.problem.name}: the orders move x_c/x0 by up to "
-            + ", ".join(f"{term:.2g}" for term in terms)
-            + "; give a smaller epsilon, a lower order, or frequencies farther from resonance"
-        )
-    return terms
+def check_ordering(expansion: Expansion[Any], epsilon: float, rest: float) -> tuple[float, ...]:
+    """Σ_j |ε^n ξ_{n,j}| for n = 1 … N: a bound on what each order adds to ξ_c.
+
+    An asymptotic series means something while its terms decrease; and when already the first
+    exceeds ξ₀, the contact point would pass the driven end.
+
+    Raises
+    ------
+    OrderingError
+        One of the two is lost.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        sizes = [
+            float(np.float64(abs(epsilon)) ** n * _size(expansion.contact(n)))
+            for n in range(1, expansion.order + 1)
+        ]
+    first, worst = sizes[0], max(range(len(sizes)), key=sizes.__getitem__)
+    if max(sizes) <= first < rest:
+        return tuple(sizes)
+    what = (
+        f"already the linear response moves the contact point by {first:.2g} x0"
+        if not first < rest
+        else f"order {worst + 1} contributes up to {sizes[worst]:.2g} to x_c/x0, "
+        f"order 1 only {first:.2g}"
+    )
+    raise OrderingError(
+        f"epsilon = {epsilon!r} is too large for order {expansion.order} of "
+        f"{expansion.problem.name}: {what}. Give a smaller epsilon, a lower order, or a frequency "
+        "farther from resonance"
+    )
+
+
+def _size(harmonics: Harmonics[Any]) -> float:
+    return float(sum((1.0 if j == 0 else 2.0) * abs(complex(c)) for j, c in harmonics.items()))

@@ -44,6 +44,9 @@ UsageError: Any = typer.BadParameter.__mro__[1]
 # The golden rotation: of all Ω < π the one farthest from every resonance pπ/q.
 GOLDEN = 1.941611038725466
 
+# Numbers in one table: more are no text.
+MOST_VALUES = 1_000_000
+
 # Longer texts stay in their files when there are files; the screen gets the proofs.
 SCREEN = 20_000
 
@@ -200,21 +203,38 @@ def evaluate(
     epsilon: EpsilonOption,
     order: OrderOption = 4,
     s: Annotated[
-        str, typer.Option(metavar=LIST, help="Positions (x − x_c)/x₀ ≤ 0.")
-    ] = "-1,-0.75,-0.5,-0.25,0",
+        str | None,
+        typer.Option(metavar=LIST, help="Positions (x − x_c)/x₀ ≤ 0; by default quarters."),
+    ] = None,
     tau: Annotated[str, typer.Option(metavar=LIST, help="Times ct/x₀.")] = "0",
     plot: PlotOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Evaluate ξ_c and w/Z₀: the series in ε truncated at order N."""
+    from asymptotics.errors import InputError
     from asymptotics.evaluate import evaluate as compute
+    from derivations.progress import progress
 
     if plot is not None:
         from derivations.plots import check_plot_path
 
         check_plot_path(plot)
     point = (omega, epsilon, order)
-    result = compute(*point, numbers_of("--s", s), numbers_of("--tau", tau))
+    places = None if s is None else numbers_of("--s", s)
+    times = numbers_of("--tau", tau)
+    if len(times) * len(places or ()) > MOST_VALUES:
+        raise InputError(
+            f"--tau and --s ask for a table of {len(times)} × {len(places or ())} numbers, more "
+            f"than {MOST_VALUES}; give fewer, or use asymptotics.evaluate in Python"
+        )
+    with progress("expanding", 1.0, fine=True) as report:
+        # Work grows like n⁵, and carrying the shape to the contact point is as much again.
+        result = compute(
+            *point,
+            places,
+            times,
+            lambda n: report(0.5 * ((n - 1) // order + (((n - 1) % order + 1) / order) ** 5)),
+        )
     if plot is not None:
         from derivations.plots import plot_period
 

@@ -73,8 +73,7 @@ def string_form(omega: float, order: int, source: str | None = None) -> ClosedFo
         return np.asarray(module["contact"](tau, omega, epsilon))
 
     def shape(xi: Any, tau: Any, epsilon: Any) -> Array:
-        s = np.minimum(xi - contact(tau, epsilon), 0.0)
-        return np.asarray(module["profile"](s, tau, omega, epsilon))
+        return np.asarray(module["profile"](xi - contact(tau, epsilon), tau, omega, epsilon))
 
     return ClosedForm(order, contact, shape)
 

@@ -12,8 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from asymptotics.checks import finite_number
 from asymptotics.errors import InputError
-from asymptotics.evaluate import Evaluation, evaluate
+from asymptotics.evaluate import string_expansion
+from asymptotics.response import Response, response
 from derivations.files import check_writable, write_file
 
 SUFFIXES = {".png", ".pdf", ".svg"}
@@ -78,28 +80,26 @@ def save_figure(figure: Any, path: Path) -> None:
     write_file(path, drawn.getvalue())
 
 
-def plot_period(omega: float, epsilon: float, order: int, path: Path) -> Evaluation:
+def plot_period(omega: float, epsilon: float, order: int, path: Path) -> Response:
     """Draw the profile over one period and ξ_c(τ), from the series of the given order.
 
-    Returns what was drawn: 401 positions at 97 times.
+    Returns what was drawn: the whole rope, 401 positions at each of 97 times.
     """
     check_plot_path(path)
-    period = 2 * math.pi / float(omega) if _positive(omega) else 1.0
-    s = np.linspace(-2.0, 0.0, 401)
-    result = evaluate(omega, epsilon, order, s, np.linspace(0.0, period, 97))
-    figure = _period_figure(result, period)
-    save_figure(figure, path)
+    epsilon = finite_number("epsilon", epsilon)
+    expansion, drive = string_expansion(omega, epsilon, order)
+    period = 2 * math.pi / drive.frequencies[0]
+    if math.isinf(period):
+        raise InputError(f"Omega = {omega!r} has no period to draw; give a larger one")
+    tau = np.linspace(0.0, period, 97)
+    contact = response(expansion, drive.phase, epsilon, [], tau).contact
+    s = contact[:, None] * np.linspace(-1.0, 0.0, 401)
+    result = response(expansion, drive.phase, epsilon, s, tau)
+    save_figure(_period_figure(result, drive.frequencies[0]), path)
     return result
 
 
-def _positive(value: Any) -> bool:
-    try:
-        return float(value) > 0 and math.isfinite(float(value))
-    except (TypeError, ValueError):
-        return False
-
-
-def _period_figure(result: Evaluation, period: float) -> Any:
+def _period_figure(result: Response, omega: float) -> Any:
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 
@@ -107,12 +107,10 @@ def _period_figure(result: Evaluation, period: float) -> Any:
         figure = Figure(figsize=(7.0, 2.9), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
         colours = colormaps["cividis"](np.linspace(0.0, 0.9, len(_PHASES)))
-        step = (result.tau.size - 1) // 8
+        step, period = (result.tau.size - 1) // 8, result.tau[-1]
         for i, (colour, phase) in enumerate(zip(colours, _PHASES, strict=True)):
             contact, profile = result.contact[i * step], result.profile[i * step]
-            x = contact + result.s
-            lifted = x >= 0
-            left.plot(x[lifted], profile[lifted], color=colour, label=f"${phase}$")
+            left.plot(contact + result.s[i * step], profile, color=colour, label=f"${phase}$")
             left.plot(contact, 0, "o", color=colour, ms=3.2)
             right.plot(result.tau[i * step] / period, contact, "o", color=colour, ms=4.5, zorder=3)
         left.set(
@@ -133,7 +131,7 @@ def _period_figure(result: Evaluation, period: float) -> Any:
         for axes in (left, right):
             axes.title.set_fontsize(9)
         figure.suptitle(
-            rf"$\Omega={result.omega:.5g}$,  $\epsilon={result.epsilon:.4g}$,  "
+            rf"$\Omega={omega:.5g}$,  $\epsilon={result.epsilon:.4g}$,  "
             rf"series through $\epsilon^{{{result.order}}}$",
             fontsize=9,
         )

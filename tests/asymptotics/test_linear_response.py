@@ -284,6 +284,7 @@ def test_shapes_order_and_complex_rates():
         (lambda u: 1.0, [2.0, 3.0], r"shape \(\) for times of shape \(2,\)"),
         (lambda u: u * math.nan, 2.0, r"rate\(tau\) holds NaN"),
         (lambda u: None, 2.0, "not an array of numbers"),
+        (lambda u: np.full(u.shape, 1e308), 5.0, "overflows double precision"),
     ],
 )
 def test_contact_response_refuses(rate, tau, message):
@@ -300,8 +301,29 @@ def test_contact_response_refuses(rate, tau, message):
         ([1.0], [math.nan], 0.0, "amplitudes holds NaN"),
         ([1.0], [1.0], [math.nan], "tau holds NaN"),
         ([math.pi], [1.0], 0.0, "p/q = 1/1"),
+        ([1.0], [1.0], 1e308, r"the phase 1e\+308, beyond 1.34e\+08"),
+        ([0.5, 2.0], [1.0, 1.0], 1e8, r"the phase 2e\+08, beyond"),
+        ([1.0 - 100j], [1.0], 100.0, "overflows double precision"),
+        ([2.0, 2.0], [1e308, 1e308], 0.0, "overflows double precision"),
     ],
 )
 def test_spectrum_refuses(frequencies, amplitudes, tau, message):
     with pytest.raises(InputError, match=message):
         contact_response_spectrum(frequencies, amplitudes, tau)
+
+
+def test_transfer_of_fast_growing_and_decaying_drives():
+    """e^{−iΩ} overflows on the way: H = −iΩe^{iΩ}/(1 − e^{2iΩ}) does not, and is even in Ω."""
+    from mpmath import mp, mpc, sin
+
+    omega = np.array([1 + 0.99j, 1 + 1.01j, 3 - 20j, -2 + 300j, 1 - 700j, 0.5 + 1e5j, 4 - 9e5j])
+    found = transfer(omega)
+    with mp.workdps(40):
+        for value, h in zip(omega, found, strict=True):
+            exact = mpc(complex(value)) / (2 * sin(mpc(complex(value))))
+            # The phase of e^{iΩ} is Re Ω, its size e^{−|Im Ω|}: an ulp of either is what remains.
+            assert abs(complex(h) - complex(exact)) <= 8 * 2.0**-53 * abs(value) * abs(
+                complex(exact)
+            )
+    assert (transfer(-omega) == found).all()
+    assert transfer([1e-320 + 1e-320j, 1e-9]).tolist() == [0.5, 0.5]

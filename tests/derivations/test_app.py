@@ -170,7 +170,7 @@ def test_a_second_run_reads_the_cache(tmp_path: Path) -> None:
         (["evaluate", "--omega", "1,2", "--epsilon", "0.1"], "as a number, not '1,2'"),
         (["evaluate", "--omega", "nan", "--epsilon", "0.01"], "Omega = nan"),
         (["evaluate", "--omega", "0.83", "--epsilon", "nan"], "epsilon = nan"),
-        (["evaluate", "--omega", "3.1", "--epsilon", "0.1"], "too large for order 4"),
+        (["evaluate", "--omega", "3.1", "--epsilon", "0.1"], "too large for order 1"),
         (["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--s", "0.5"], "beyond the contact"),
         (
             ["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--s", "a,b"],
@@ -180,6 +180,28 @@ def test_a_second_run_reads_the_cache(tmp_path: Path) -> None:
         (
             ["derive", "--order", "2", "--out", "/dev/null/x"],
             "cannot write /dev/null/x",
+        ),
+        (
+            ["evaluate", "--omega", "0.83", "--epsilon", "0.02", "--s", "-3"],
+            "s = -3.0 is beyond the driven end, which is at s = -1.011221519 when tau = 0",
+        ),
+        (["evaluate", "--omega", "0.83", "--epsilon", "0.1", "--tau", "1e308"], "tau = 1e+308:"),
+        (["evaluate", "--omega", "0.83", "--epsilon=1e308"], "epsilon = 1e+308 is too large"),
+        (
+            [
+                "evaluate",
+                "--omega=1e-308",
+                "--epsilon=0.1",
+                "--s",
+                "0," * 2000,
+                "--tau",
+                "0," * 501,
+            ],
+            "a table of 501 × 2000 numbers, more than 1000000",
+        ),
+        (
+            ["evaluate", "--omega=5e-324", "--epsilon=0.1", "--plot", "x.png"],
+            "Omega = 5e-324 has no period to draw",
         ),
         (["nonsense"], "No such command"),
     ],
@@ -248,3 +270,16 @@ def test_progress_is_shown_for_long_work_only(capsys: pytest.CaptureFixture[str]
         assert capsys.readouterr().err == ""
     finally:
         module.PATIENCE = patience
+
+
+def test_evaluate_answers_the_slowest_drive(capsys: pytest.CaptureFixture[str]) -> None:
+    """√(1 + ε) through ε⁴, and every number of the JSON object is one."""
+    assert run("evaluate", "--omega", "1e-300", "--epsilon", "0.1", "--json") == 0
+
+    def no_constant(name: str) -> None:
+        raise AssertionError(name)
+
+    result = json.loads(capsys.readouterr().out, parse_constant=no_constant)
+    assert result["contact"] == [pytest.approx(1 + 0.05 - 0.00125 + 0.0000625 - 0.1**4 * 5 / 128)]
+    assert result["s"] == [-1.0, -0.75, -0.5, -0.25, 0.0]
+    assert result["profile"][0] == pytest.approx([1.0, 0.5625, 0.25, 0.0625, 0.0])
