@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asymptotics.errors import InputError
+from asymptotics.precision import PrecisionError
 from asymptotics.rings import FloatRing
 
 
@@ -103,7 +103,11 @@ def balls() -> Numbers:
             radius = y * arb(2) ** (bits - ctx.prec)
             if f(y - radius)[0] < 0 and f(y + radius)[0] > 0:
                 return arb(y, radius)
-        raise InputError("beta is too wide a ball to enclose the static contact point; narrow it")
+        raise PrecisionError(
+            f"{ctx.prec} bits are too few, or beta is too wide a ball, to enclose the static "
+            "contact point; give more bits, or narrow beta",
+            y,
+        )
 
     functions = (arb.sqrt, arb.exp, arb.sin, arb.cos)
     return Numbers(NumberRing(arb), arb, *functions, solve)

@@ -59,10 +59,13 @@ def transfer(omega: ArrayLike) -> NDArray[Any]:
             f"omega holds a number beyond {_LARGEST:g}, where double precision cannot tell a "
             "resonance from its neighbours; give smaller frequencies"
         )
-    sine = np.sin(values)
+    # Away from the real axis, where sin Ω may overflow, Ω/sin Ω = −2iΩe/(1 − e²) with e = e^{iΩ},
+    # Im Ω > 0.
+    far = np.abs(values.imag) > 1.0
+    sine = np.sin(np.where(far, 1.0, values))
     nearest = np.rint(values.real / math.pi)
     # As in check_frequency: any closer than √u and half the digits of sin Ω are rounding.
-    bad = (nearest != 0) & (np.abs(sine) <= RESOLUTION * np.maximum(1.0, np.abs(values)))
+    bad = ~far & (nearest != 0) & (np.abs(sine) <= RESOLUTION * np.maximum(1.0, np.abs(values)))
     if np.any(bad):
         p = abs(int(nearest[bad].flat[0]))
         raise ResonanceError(
@@ -73,7 +76,11 @@ def transfer(omega: ArrayLike) -> NDArray[Any]:
             1,
         )
     result = np.full(values.shape, 0.5, dtype=values.dtype)
-    np.divide(values, 2.0 * sine, out=result, where=values != 0)
+    np.divide(values, 2.0 * sine, out=result, where=(values != 0) & ~far)
+    upper = values[far] * np.sign(values[far].imag)
+    decay = np.exp(1j * upper)
+    if decay.size:
+        result[far] = -1j * upper * decay / (1.0 - decay * decay)
     return result
 
 
@@ -166,7 +173,8 @@ def contact_response_spectrum(
     Raises
     ------
     InputError
-        Shapes differ, entries that are no finite numbers, or what :func:`transfer` refuses.
+        Shapes differ, entries that are no finite numbers, what :func:`transfer` refuses, or a
+        complex Ω_m with |Im Ω_m τ| so large that the result overflows.
     ResonanceError
         Some Ω_m is at pπ.
 
@@ -184,8 +192,14 @@ def contact_response_spectrum(
     times = _real("tau", tau)
     weights = transfer(omega) * a
     result = np.zeros(times.shape, dtype=np.complex128)
-    for frequency, weight in zip(omega, weights, strict=True):
-        result += weight * np.exp(1j * frequency * times)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for frequency, weight in zip(omega, weights, strict=True):
+            result += weight * np.exp(1j * frequency * times)
+    if not np.all(np.isfinite(result)):
+        raise InputError(
+            "frequencies with these times make e^{iΩτ} overflow; give times or imaginary parts "
+            "nearer to 0"
+        )
     return result
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, Generic
 
@@ -75,6 +75,10 @@ class Problem(Generic[E]):
         normalised that a unit drive leaves ``end_unit(j)``.
     load, static_end_residual
         What the static shape leaves of the PDE (its weight), and of the driven end (zero).
+    balls
+        Makes the same problem over balls, in the precision of the moment. Where it is given,
+        :func:`~asymptotics.expansion.expand` computes there and rounds to doubles, all digits
+        right: see :mod:`asymptotics.rounded`.
     """
 
     name: str
@@ -90,6 +94,7 @@ class Problem(Generic[E]):
     end_unit: Callable[[int], E] = field(repr=False)
     load: E = field(repr=False)
     static_end_residual: Callable[[], E] = field(repr=False)
+    balls: Callable[[], Problem[Any]] | None = field(default=None, repr=False)
 
 
 def driven_string(
@@ -220,6 +225,8 @@ def exact_string() -> Problem[Any]:
 def float_string(omega: float, order: int) -> Problem[Any]:
     """The string in double precision at one Ω; refuses the resonances of ``order``.
 
+    The expansion is computed over balls and rounded: see :mod:`asymptotics.rounded`.
+
     Raises
     ------
     InputError
@@ -227,8 +234,13 @@ def float_string(omega: float, order: int) -> Problem[Any]:
     ResonanceError
         Ω is at, or numerically at, pπ/q with q ≤ order; the error names p/q.
     """
+    from asymptotics.balls import ball_string
+
     omega = check_frequency(omega, order)
-    return string(FloatRing(), omega, lambda j: accurate_cot(j, omega), name=f"string at {omega!r}")
+    problem = string(
+        FloatRing(), omega, lambda j: accurate_cot(j, omega), name=f"string at {omega!r}"
+    )
+    return replace(problem, balls=lambda: ball_string(omega))
 
 
 def accurate_cot(j: int, omega: float) -> float:

@@ -11,11 +11,11 @@ from __future__ import annotations
 from fractions import Fraction
 from math import gcd
 
-import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
 
 from asymptotics.cotangent import cotangent_powers, resonance_polynomial
 from asymptotics.errors import InputError
+from asymptotics.precision import at_precision
 
 _CONTEXT = fmpq_mpoly_ctx.get(["pi", "c"], Ordering.lex)
 PI, C = _CONTEXT.gens()
@@ -95,7 +95,7 @@ class ResonanceField:
         >>> field.value(field.centre).mid().str(15, radius=False)
         '1.04719755119660'
         """
-        with flint.ctx.workprec(bits):
+        with at_precision(bits):
             pi, c = arb.pi(), _cot_pi(self.p, self.q) if self.q > 1 else arb(0)
             total = arb(0)
             for (a, i), r in coefficient.terms():
@@ -136,7 +136,7 @@ def _minimal_polynomial(p: int, q: int) -> fmpz_poly:
     if q == 1:
         return fmpz_poly([0, 1])
     for bits in (64, 256, 1024, 4096):
-        with flint.ctx.workprec(bits):
+        with at_precision(bits):
             root = _cot_pi(p, q)
             candidates = [
                 factor

@@ -179,6 +179,9 @@ class GeneratorRing:
     def evaluate(self, element: fmpq_mpoly, values: Mapping[str, F], ring: Ring[F]) -> F:
         """The polynomial at elements of another ring, one for each generator that occurs.
 
+        Over doubles a polynomial that cancels loses digits without a word; over balls the result's
+        radius says how many.
+
         >>> ring = GeneratorRing(["x", "y"])
         >>> half = ring["x"] * ring["y"] * ring.rational(1, 2)
         >>> ring.evaluate(half, {"x": 3.0, "y": 4.0}, FloatRing())
