@@ -22,6 +22,7 @@ from typing import Any
 from flint import acb, arb, fmpq
 
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, driven_string, string
 from asymptotics.rings import Ring
 
@@ -197,6 +198,7 @@ def rational(value: Any) -> Fraction | None:
         return None
 
 
+@remembering
 def ball_string(omega: Any) -> Problem[Any]:
     """The string over real balls, for :func:`asymptotics.expansion.expand`.
 
@@ -216,6 +218,7 @@ def ball_string(omega: Any) -> Problem[Any]:
     return string(ArbRing(), ball, lambda j: (j * ball).cot(), name=f"string at {exact} in balls")
 
 
+@remembering
 def ball_damped_string(
     omega: Any, damping: Any, viscosity: Any = 0, drive: Mapping[int, acb] | None = None
 ) -> Problem[Any]:

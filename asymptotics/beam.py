@@ -37,6 +37,7 @@ from asymptotics.beam_waves import (
     waves,
 )
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.pickling import remembering
 from asymptotics.problem import RESOLUTION, Mode, Problem
 from asymptotics.static_shape import boundary_slope, check_driven_end, contact_point
 
@@ -125,6 +126,7 @@ def _clamped_height(y: Any, target: Any, numbers: Numbers) -> tuple[Any, Any]:
     return y * coth - 1 - target, coth - 4 * y * e / ((1 - e) * (1 - e))
 
 
+@remembering
 def beam(
     beta: Any,
     omega: Any,
@@ -218,6 +220,7 @@ def _spelled(value: Any) -> str:
     return f"{value.flat[0]} … {value.flat[-1]} ({value.size} values)"
 
 
+@remembering
 def float_beam(beta: float, omega: float, order: int, driven_end: str = "pinned") -> Problem[Any]:
     """The beam in double precision; refuses the resonances Ω_p(β)/q with q ≤ ``order``.
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from asymptotics.pickling import Remembered, remembering
 from asymptotics.precision import PrecisionError
 from asymptotics.rings import FloatRing
 
@@ -33,7 +34,7 @@ class NumberRing(FloatRing):
 
 
 @dataclass(frozen=True)
-class Numbers:
+class Numbers(Remembered):
     """An arithmetic: its ring, its elementary functions and its monotone Newton iteration.
 
     ``solve`` takes y ↦ (f, f′), f convex and increasing, and a start to the right of the zero. It
@@ -50,6 +51,7 @@ class Numbers:
     solve: Callable[[Callable[[Any], tuple[Any, Any]], Any], Any] | None
 
 
+@remembering
 def doubles() -> Numbers:
     """Double precision, real or complex; arrays broadcast."""
 
@@ -59,6 +61,7 @@ def doubles() -> Numbers:
     return Numbers(FloatRing(), convert, np.sqrt, np.exp, np.sin, np.cos, None)
 
 
+@remembering
 def digits() -> Numbers:
     """mpmath numbers at mpmath's own working precision, ``mpmath.mp.dps`` digits.
 
@@ -81,6 +84,7 @@ def digits() -> Numbers:
     return Numbers(NumberRing(mpmath.mpf), mpmath.mpmathify, *functions, solve)
 
 
+@remembering
 def balls() -> Numbers:
     """Real balls at python-flint's working precision, ``flint.ctx.prec`` bits: enclosures.
 

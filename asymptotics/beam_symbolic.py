@@ -35,6 +35,7 @@ from asymptotics.beam_numbers import Numbers, balls, doubles
 from asymptotics.beam_waves import StaticBeam
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
+from asymptotics.pickling import Remembered, remembering
 from asymptotics.problem import Mode, Problem
 from asymptotics.rings import GeneratorRing
 from asymptotics.rounded import rounded_value
@@ -56,6 +57,7 @@ def generator_names(order: int) -> tuple[str, ...]:
     return ("sigma", "b", "B", "S2", "S3", *impedances, "lambda")
 
 
+@remembering
 def symbolic_beam(order: int) -> Problem[fmpq_mpoly]:
     """The beam over its generators, for expansions up to ``order``.
 
@@ -130,7 +132,7 @@ def expand_symbolic(order: int) -> Expansion[fmpq_mpoly]:
 
 
 @dataclass(frozen=True)
-class Impedances:
+class Impedances(Remembered):
     """Values of the generators at one β and Ω, and a₃ to turn ε into ε̂ = ε/a₃.
 
     ``balls`` makes the same values as balls, in the precision of the moment.
@@ -165,6 +167,7 @@ class Impedances:
         return total
 
 
+@remembering
 def impedances(
     beta: Any,
     omega: Any,

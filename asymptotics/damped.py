@@ -35,6 +35,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
 from asymptotics.forcing import excited
 from asymptotics.harmonics import Harmonics
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, check_frequency, driven_string
 from asymptotics.rings import ComplexRing, GeneratorRing
 
@@ -77,6 +78,7 @@ def source(k: complex) -> complex:
     return -2j * k * cmath.exp(1j * k) / (1 - cmath.exp(2j * k))
 
 
+@remembering
 def damped_string(
     omega: float,
     damping: float,
@@ -150,6 +152,7 @@ def _coefficient(name: str, value: Any) -> float:
     return number
 
 
+@remembering
 def generator_damped_string(order: int) -> Problem[Any]:
     r"""The viscously damped string (η = 0, ΔZ = cos Ωτ), exact, in its impedances.
 

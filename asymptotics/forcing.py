@@ -31,6 +31,7 @@ from asymptotics.balls import AcbRing, ArbRing
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion import check_order
 from asymptotics.harmonics import pack, reachable, unpack
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, check_frequency, driven_string, pole_at
 from asymptotics.rings import ComplexRing, FloatRing, Ring
 
@@ -192,6 +193,7 @@ def excited(drive: Sequence[int], order: int) -> list[int]:
     return sorted({j for n in range(1, order + 1) for j in reachable(drive, n)})
 
 
+@remembering
 def forced_string(drive: Drive, order: int) -> Problem[Any]:
     """The string under a drive, in double precision; for :func:`asymptotics.expansion.expand`.
 
@@ -217,15 +219,19 @@ def forced_string(drive: Drive, order: int) -> Problem[Any]:
 
     amplitudes = {j: c.real if drive.even else c for j, c in drive.amplitudes.items()}
     problem = _forced(drive, ring, drive.circular, amplitudes)
+    return replace(problem, balls=lambda: ball_forced_string(drive))
 
-    def balls() -> Problem[Any]:
-        exact = {j: acb(c) for j, c in drive.amplitudes.items()}
-        if drive.even:
-            real = {j: c.real for j, c in exact.items()}
-            return _forced(drive, ArbRing(), drive.enclosed_circular, real)
-        return _forced(drive, AcbRing(), drive.enclosed_circular, exact)
 
-    return replace(problem, balls=balls)
+@remembering
+def ball_forced_string(drive: Drive) -> Problem[Any]:
+    """:func:`forced_string` over balls, of the doubles in the drive as they stand; no resonance is
+    refused. Make it, and expand it, within :func:`~asymptotics.precision.at_precision`.
+    """
+    amplitudes = {j: acb(c) for j, c in drive.amplitudes.items()}
+    if drive.even:
+        real = {j: c.real for j, c in amplitudes.items()}
+        return _forced(drive, ArbRing(), drive.enclosed_circular, real)
+    return _forced(drive, AcbRing(), drive.enclosed_circular, amplitudes)
 
 
 def _forced(

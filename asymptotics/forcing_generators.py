@@ -17,10 +17,12 @@ from asymptotics.errors import InputError
 from asymptotics.expansion import check_order
 from asymptotics.forcing import Drive, Index, excited, packed_index
 from asymptotics.harmonics import unpack
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, driven_string
 from asymptotics.rings import GeneratorRing
 
 
+@remembering
 def generator_string(harmonics: Sequence[Index], order: int, sines: bool = True) -> Problem[Any]:
     r"""The string under a drive with the given harmonics, exact in everything.
 

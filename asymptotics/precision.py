@@ -25,9 +25,6 @@ class PrecisionError(RopewaveError):
         super().__init__(message)
         self.partial = partial
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (str(self), self.partial)
-
 
 class _Lock:
     """One thread at a time; a forked process starts with it open."""

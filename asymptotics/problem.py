@@ -22,6 +22,7 @@ from typing import Any, Generic
 
 from asymptotics.cotangent import CotangentRing
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.pickling import Remembered, remembering
 from asymptotics.rings import E, FloatRing, Ring
 
 
@@ -46,7 +47,7 @@ class Mode(Generic[E]):
 
 
 @dataclass(frozen=True)
-class Problem(Generic[E]):
+class Problem(Remembered, Generic[E]):
     r"""Everything the order loop and the proof need to know.
 
     Attributes
@@ -154,6 +155,7 @@ def driven_string(
     )
 
 
+@remembering
 def string(
     ring: Ring[E],
     omega: E,
@@ -216,12 +218,14 @@ def string(
     )
 
 
+@remembering
 def exact_string() -> Problem[Any]:
     """The string over the exact ring: closed forms in Ω."""
     ring = CotangentRing()
     return string(ring, ring.omega, ring.cot, name="string")
 
 
+@remembering
 def float_string(omega: float, order: int) -> Problem[Any]:
     """The string in double precision at one Ω; refuses the resonances of ``order``.
 

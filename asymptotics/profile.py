@@ -127,12 +127,11 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
 
 
 def _rounded_frame(expansion: RoundedExpansion, progress: Progress | None) -> MovingFrame[Any]:
-    """From the balls, rounded: each coefficient to 2⁻⁵² of its order's largest."""
+    """From the balls, rounded as they are."""
 
     def groups(frame: MovingFrame[Any]) -> Iterator[Iterable[Any]]:
-        for series in chain(frame.static, *frame.modes.values()):
-            for harmonics in series:
-                yield harmonics.values()
+        for orders in zip(*chain(frame.static, *frame.modes.values()), strict=True):
+            yield [c for harmonics in orders for c in harmonics.values()]
 
     def rounded(series: Series[Any]) -> Series[Any]:
         name = expansion.problem.name

@@ -57,7 +57,8 @@ class RoundedExpansion(Expansion[Any]):
     def certain(self, compute: Callable[[Expansion[Any]], Any], parts: Callable[[Any], Any]) -> Any:
         """``compute`` of the balls' expansion, at a precision that makes its balls accurate.
 
-        ``parts`` lists the result's balls in groups; each is right to 2⁻⁵⁶ of its group's largest.
+        ``parts`` lists the result's balls, order by order. One below 2⁻²⁵⁶ of its order's largest
+        is right to that absolute accuracy: sums over many terms often vanish.
         """
         known = [Expansion(self.balls.problem, self.balls.orders[: self.order])]
 
@@ -68,7 +69,7 @@ class RoundedExpansion(Expansion[Any]):
             return compute(known.pop())
 
         def settled(result: Any) -> bool:
-            return all(accurate(group, 0) for group in parts(result))
+            return all(accurate(group, 256) for group in parts(result))
 
         return until(settled, attempt, self.problem.name, self.bits)[0]
 

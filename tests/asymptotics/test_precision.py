@@ -29,7 +29,7 @@ def test_the_precision_is_one_number_for_all_threads() -> None:
 
 
 def test_threads_leave_it_as_it_was() -> None:
-    """Four threads with different needs: 77 bits before, 77 after, and the results of one thread."""
+    """Four threads of different needs: 77 bits before and after, and the results of one thread."""
     jobs = [(f"pi/2 + 1e-{k}", "1e-60", 2, "-0.5", "0.25") for k in (3, 12, 30, 50)] * 6
     with at_precision(77):
         alone = [evaluate_certified(*job) for job in jobs[:4]]

@@ -169,12 +169,12 @@ def test_a_coefficient_that_vanishes_ends_the_doubling() -> None:
     assert 1024 < found.bits <= 4096
     assert rounded_value(lambda: arb(2).sqrt() ** 2 - 2, "zero") == 0.0
     with at_precision(64):
-        zero = arb(0, arb(2) ** -200)
+        zero = arb(0, arb(2) ** -1000)
         assert not accurate([arb(1), zero])
-        assert accurate([arb(1), zero], 0)
         assert accurate([arb(1), arb(0)])
+        assert accurate([arb(1), arb(0, arb(2) ** -1100)])
         assert not accurate([arb(1), arb(1) / 3 + arb(0, 1e-16)])
-        assert not accurate([arb("nan")], 0)
+        assert not accurate([arb("nan")])
         assert not accurate([acb(arb(1), arb(0, 1e-16))])
         assert accurate([acb(arb(1), arb(0, 1e-18))])
 
@@ -201,10 +201,12 @@ def test_the_moving_frame_is_rounded_from_balls_too(problem: Problem[Any], order
         for series, wanted in pairs:
             for found, harmonics in zip(series, wanted, strict=True):
                 assert set(harmonics) == set(found)
-                largest = max((abs(c).mid() for c in harmonics.values()), default=arb(0))
                 for j, c in harmonics.items():
                     number = acb(found[j]) if isinstance(c, acb) else arb(found[j])
-                    assert abs(c - number) <= EPS * largest
+                    if abs(c) > 1e-40:
+                        assert abs(c - number) <= EPS * abs(c)
+                    else:
+                        assert abs(number) < 1e-40
 
 
 def test_an_expansion_is_continued_from_its_balls() -> None:
