@@ -3,7 +3,8 @@ r"""Balls as coefficients: every number is an interval that contains the true on
 The engine adds and multiplies; over :class:`flint.arb` and :class:`flint.acb` each such step
 encloses the exact result, rounding included. So what :func:`asymptotics.expansion.expand` yields is
 proved: the true coefficient lies in the ball. Residuals (:func:`asymptotics.proof.residuals`) are
-balls that must contain zero. The precision is that of FLINT's context, :func:`at_precision`.
+balls that must contain zero. The precision is FLINT's,
+:func:`~asymptotics.precision.at_precision`.
 
 A frequency may be given as a double, as a decimal, or relative to a resonance, see
 :class:`Frequency`; nothing is rounded on the way in.
@@ -14,26 +15,16 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from flint import acb, arb, ctx, fmpq
+from flint import acb, arb, fmpq
 
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, driven_string, string
 from asymptotics.rings import Ring
-
-
-def at_precision(bits: int) -> AbstractContextManager[Any]:
-    """A context in which balls are computed with that many bits.
-
-    >>> with at_precision(200):
-    ...     arb.pi().rad() < 1e-59
-    True
-    """
-    return ctx.workprec(bits)
 
 
 class ArbRing:
@@ -207,14 +198,17 @@ def rational(value: Any) -> Fraction | None:
         return None
 
 
+@remembering
 def ball_string(omega: Any) -> Problem[Any]:
     """The string over real balls, for :func:`asymptotics.expansion.expand`.
 
-    The small parameter is ε̂ = ε/sin Ω. Make it, and expand it, within :func:`at_precision`.
+    The small parameter is ε̂ = ε/sin Ω. Make it, and expand it, within
+    :func:`~asymptotics.precision.at_precision`.
 
     Examples
     --------
     >>> from asymptotics import expand
+    >>> from asymptotics.precision import at_precision
     >>> with at_precision(128):
     ...     print(expand(ball_string("pi/2 + 1e-9"), 2).contact(2)[2].str(20))
     [-121118268.51374002570 +/- 3.25e-12]
@@ -224,6 +218,7 @@ def ball_string(omega: Any) -> Problem[Any]:
     return string(ArbRing(), ball, lambda j: (j * ball).cot(), name=f"string at {exact} in balls")
 
 
+@remembering
 def ball_damped_string(
     omega: Any, damping: Any, viscosity: Any = 0, drive: Mapping[int, acb] | None = None
 ) -> Problem[Any]:
@@ -232,6 +227,7 @@ def ball_damped_string(
     Examples
     --------
     >>> from asymptotics import expand
+    >>> from asymptotics.precision import at_precision
     >>> with at_precision(128):
     ...     c = expand(ball_damped_string("pi", "1e-9"), 1).contact(1)[1]
     >>> round(2e-9 * float(c.abs_upper()), 12)        # |ξ₁| → π/(2ζ)
@@ -255,8 +251,9 @@ def ball_damped_string(
     def k(j: int) -> acb:
         return square(j).sqrt()
 
+    name = f"string at {omega!r}, damping {damping!r}, viscosity {viscosity!r} in balls"
     return driven_string(
-        f"string at {omega!r}, damping {damping!r}, viscosity {viscosity!r} in balls",
+        name if drive is None else f"{name} under {drive!r}",
         ring,
         stiffness=square,
         impedance=lambda j: k(j) * k(j).cot(),

@@ -22,10 +22,13 @@ from :mod:`asymptotics.static_shape`, whose forms do not.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
-from asymptotics.beam_numbers import Numbers, doubles
+import numpy as np
+
+from asymptotics.beam_numbers import Numbers, balls, doubles
 from asymptotics.beam_waves import (
     StaticBeam,
     Waves,
@@ -34,6 +37,7 @@ from asymptotics.beam_waves import (
     waves,
 )
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.pickling import remembering
 from asymptotics.problem import RESOLUTION, Mode, Problem
 from asymptotics.static_shape import boundary_slope, check_driven_end, contact_point
 
@@ -122,6 +126,7 @@ def _clamped_height(y: Any, target: Any, numbers: Numbers) -> tuple[Any, Any]:
     return y * coth - 1 - target, coth - 4 * y * e / ((1 - e) * (1 - e))
 
 
+@remembering
 def beam(
     beta: Any,
     omega: Any,
@@ -139,7 +144,9 @@ def beam(
     driven_end
         ``pinned`` (default) or ``clamped``; the small parameter is ε.
     numbers
-        One of :mod:`asymptotics.beam_numbers`'s; doubles by default.
+        One of :mod:`asymptotics.beam_numbers`'s. By default one real β and Ω are expanded over
+        balls and rounded to doubles (:mod:`asymptotics.rounded`); arrays and complex Ω are doubles
+        throughout, whose errors at order n grow like β^{−(n−1)/2} times 2⁻⁵².
     static
         The static shape, when already computed for this β.
 
@@ -156,7 +163,12 @@ def beam(
     >>> {j: round(float(2 * c), 8) for j, c in solution.contact(3).items()}
     {3: -6.0428291, 1: -1.41119959}
     """
-    numbers = doubles() if numbers is None else numbers
+    if numbers is None:
+        problem = beam(beta, omega, driven_end, doubles(), static)
+        if is_scalar(beta, omega):
+            exact = float(beta), float(omega)
+            problem = replace(problem, balls=lambda: beam(*exact, driven_end, balls()))
+        return problem
     shape = static_beam(beta, driven_end, numbers) if static is None else static
     omega, beta, ring = numbers.convert(omega), shape.beta, numbers.ring
 
@@ -180,7 +192,7 @@ def beam(
         return sum(end_residuals(wave(j), w))
 
     return Problem(
-        name=f"{driven_end} beam",
+        name=f"{driven_end} beam at beta = {_spelled(beta)}, Omega = {_spelled(omega)}",
         ring=ring,
         contact_order=3,
         static=cache(shape.derivative),
@@ -197,8 +209,24 @@ def beam(
     )
 
 
+def is_scalar(*values: Any) -> bool:
+    """Whether these are real numbers, not arrays."""
+    return all(np.ndim(value) == 0 and not np.iscomplexobj(value) for value in values)
+
+
+def _spelled(value: Any) -> str:
+    """A number as it stands; an array by its ends and its size."""
+    if np.ndim(value) == 0:
+        return str(value)
+    return f"{value.flat[0]} … {value.flat[-1]} ({value.size} values)"
+
+
+@remembering
 def float_beam(beta: float, omega: float, order: int, driven_end: str = "pinned") -> Problem[Any]:
     """The beam in double precision; refuses the resonances Ω_p(β)/q with q ≤ ``order``.
+
+    The expansion is computed over balls and rounded, all digits right however small β is: see
+    :mod:`asymptotics.rounded`.
 
     'Numerically at' means that the determinant of harmonic q is below √u of its terms, u = 2⁻⁵²:
     closer than that, half the digits of the impedances are rounding.
@@ -244,7 +272,7 @@ def float_beam(beta: float, omega: float, order: int, driven_end: str = "pinned"
             p,
             q,
         )
-    return beam(beta, value, driven_end, numbers, shape)
+    return beam(beta, value, driven_end, static=shape)
 
 
 def _from_resonance(wave: Waves, rate: float) -> float:

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from asymptotics.errors import InputError
+from asymptotics.pickling import Remembered, remembering
+from asymptotics.precision import PrecisionError
 from asymptotics.rings import FloatRing
 
 
@@ -33,7 +34,7 @@ class NumberRing(FloatRing):
 
 
 @dataclass(frozen=True)
-class Numbers:
+class Numbers(Remembered):
     """An arithmetic: its ring, its elementary functions and its monotone Newton iteration.
 
     ``solve`` takes y ↦ (f, f′), f convex and increasing, and a start to the right of the zero. It
@@ -50,6 +51,7 @@ class Numbers:
     solve: Callable[[Callable[[Any], tuple[Any, Any]], Any], Any] | None
 
 
+@remembering
 def doubles() -> Numbers:
     """Double precision, real or complex; arrays broadcast."""
 
@@ -59,6 +61,7 @@ def doubles() -> Numbers:
     return Numbers(FloatRing(), convert, np.sqrt, np.exp, np.sin, np.cos, None)
 
 
+@remembering
 def digits() -> Numbers:
     """mpmath numbers at mpmath's own working precision, ``mpmath.mp.dps`` digits.
 
@@ -81,6 +84,7 @@ def digits() -> Numbers:
     return Numbers(NumberRing(mpmath.mpf), mpmath.mpmathify, *functions, solve)
 
 
+@remembering
 def balls() -> Numbers:
     """Real balls at python-flint's working precision, ``flint.ctx.prec`` bits: enclosures.
 
@@ -103,7 +107,11 @@ def balls() -> Numbers:
             radius = y * arb(2) ** (bits - ctx.prec)
             if f(y - radius)[0] < 0 and f(y + radius)[0] > 0:
                 return arb(y, radius)
-        raise InputError("beta is too wide a ball to enclose the static contact point; narrow it")
+        raise PrecisionError(
+            f"{ctx.prec} bits are too few, or beta is too wide a ball, to enclose the static "
+            "contact point; give more bits, or narrow beta",
+            y,
+        )
 
     functions = (arb.sqrt, arb.exp, arb.sin, arb.cos)
     return Numbers(NumberRing(arb), arb, *functions, solve)

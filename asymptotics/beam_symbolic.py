@@ -23,20 +23,22 @@ with the contact data w₁ = w₁′ = w₂ = 0, w₂′ = ½ξ₁², w₃ = −
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
-from flint import fmpq_mpoly
+from flint import arb, ctx, fmpq_mpoly
 
-from asymptotics.beam import beam, static_beam
-from asymptotics.beam_numbers import Numbers, doubles
+from asymptotics.beam import beam, is_scalar, static_beam
+from asymptotics.beam_numbers import Numbers, balls, doubles
 from asymptotics.beam_waves import StaticBeam
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
+from asymptotics.pickling import Remembered, remembering
 from asymptotics.problem import Mode, Problem
 from asymptotics.rings import GeneratorRing
+from asymptotics.rounded import rounded_value
 
 ENTRIES = ("20", "21", "30", "31")
 """Y^j_{di}: derivative d of the harmonic per unit of its i-th datum."""
@@ -55,6 +57,7 @@ def generator_names(order: int) -> tuple[str, ...]:
     return ("sigma", "b", "B", "S2", "S3", *impedances, "lambda")
 
 
+@remembering
 def symbolic_beam(order: int) -> Problem[fmpq_mpoly]:
     """The beam over its generators, for expansions up to ``order``.
 
@@ -129,20 +132,30 @@ def expand_symbolic(order: int) -> Expansion[fmpq_mpoly]:
 
 
 @dataclass(frozen=True)
-class Impedances:
-    """Values of the generators at one β and Ω, and a₃ to turn ε into ε̂ = ε/a₃."""
+class Impedances(Remembered):
+    """Values of the generators at one β and Ω, and a₃ to turn ε into ε̂ = ε/a₃.
+
+    ``balls`` makes the same values as balls, in the precision of the moment.
+    """
 
     values: Mapping[str, Any]
     a3: Any
+    balls: Callable[[], Impedances] | None = field(default=None, repr=False)
 
     def evaluate(self, element: fmpq_mpoly, number: Callable[[int], Any] = float) -> Any:
         """The element's value, term by term.
+
+        Its terms cancel, the more the smaller β is. With ``balls`` a value in doubles is computed
+        there and rounded, all digits right (:func:`asymptotics.rounded.rounded_value`).
 
         >>> point = impedances(0.01, 2.2, 1)
         >>> ring = GeneratorRing(generator_names(1))
         >>> float(point.evaluate(ring["b"] * ring.rational(1, 4)))
         25.0
         """
+        if self.balls is not None and number is float:
+            exact = self.balls
+            return rounded_value(lambda: exact().evaluate(element, arb), f"a value of {element}")
         names = element.context().names()
         total = number(0)
         for powers, coefficient in element.terms():
@@ -154,6 +167,7 @@ class Impedances:
         return total
 
 
+@remembering
 def impedances(
     beta: Any,
     omega: Any,
@@ -184,7 +198,17 @@ def impedances(
     -0.62764207
     """
     order = check_order(order)
-    numbers = doubles() if numbers is None else numbers
+    if numbers is None:
+        point = impedances(beta, omega, order, driven_end, doubles(), static)
+        if not is_scalar(beta, omega):
+            return point
+        exact = float(beta), float(omega)
+
+        @cache
+        def at(bits: int) -> Impedances:
+            return impedances(*exact, order, driven_end, balls())
+
+        return replace(point, balls=lambda: at(ctx.prec))
     shape = static_beam(beta, driven_end, numbers) if static is None else static
     problem = beam(shape.beta, omega, driven_end, numbers, shape)
     values = {

@@ -18,26 +18,15 @@ from flint import arb, fmpq
 
 from asymptotics.balls import (
     Frequency,
-    at_precision,
     ball_string,
     frequency,
     outward,
     rational,
 )
-from asymptotics.errors import InputError, RopewaveError
+from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
+from asymptotics.precision import at_precision, until
 from asymptotics.profile import MovingFrame, moving_frame
-
-# More are needed only for frequencies some 10⁻²⁴⁰⁰ from a resonance: certainly not what was meant.
-MOST_BITS = 1 << 13
-
-
-class PrecisionError(RopewaveError):
-    """The accuracy asked for needs more bits than allowed; ``partial`` has what was reached."""
-
-    def __init__(self, message: str, partial: Any) -> None:
-        super().__init__(message)
-        self.partial = partial
 
 
 @dataclass(frozen=True)
@@ -108,25 +97,6 @@ class CertifiedHarmonics:
         }
 
 
-def _until(
-    accurate: Callable[[Any], bool], compute: Callable[[], Any], what: str, start: int = 64
-) -> tuple[Any, int]:
-    """``compute`` with doubled precision until its result is accurate."""
-    bits = start
-    while True:
-        with at_precision(bits):
-            result = compute()
-            if accurate(result):
-                return result, bits
-        if bits >= MOST_BITS:
-            raise PrecisionError(
-                f"{what} needs more than {MOST_BITS} bits; ask for less accuracy, or move Omega "
-                "away from the resonance",
-                result,
-            )
-        bits *= 2
-
-
 def _accuracy(relative: Any) -> float:
     value = rational(relative)
     if value is None or not 0 < value < 1:
@@ -190,7 +160,7 @@ def contact_harmonics(omega: Any, order: int, relative: float = 1e-16) -> Certif
             for ball in row.values()
         )
 
-    rows, bits = _until(accurate, compute, f"Omega = {exact} at order {order}")
+    rows, bits = until(accurate, compute, f"Omega = {exact} at order {order}")
     amplitudes = tuple({j: Enclosure.of(ball) for j, ball in row.items()} for row in rows)
     return CertifiedHarmonics(exact, order, bits, amplitudes)
 
@@ -266,7 +236,7 @@ def evaluate_certified(
         )
 
     what = f"Omega = {exact}, epsilon = {epsilon!r} at order {order}"
-    (contact, profile), bits = _until(accurate, compute, what)
+    (contact, profile), bits = until(accurate, compute, what)
     return CertifiedPoint(exact, order, bits, Enclosure.of(contact), Enclosure.of(profile))
 
 

@@ -24,13 +24,18 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from flint import acb
+
+from asymptotics.balls import ball_damped_string
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
 from asymptotics.forcing import excited
 from asymptotics.harmonics import Harmonics
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, check_frequency, driven_string
 from asymptotics.rings import ComplexRing, GeneratorRing
 
@@ -73,6 +78,7 @@ def source(k: complex) -> complex:
     return -2j * k * cmath.exp(1j * k) / (1 - cmath.exp(2j * k))
 
 
+@remembering
 def damped_string(
     omega: float,
     damping: float,
@@ -119,17 +125,21 @@ def damped_string(
         # W(0) = w cos k − w′ sin k/k, over cos k so that a strongly damped one does not overflow.
         return w[0] - w[1] / impedance(k(j))
 
-    return driven_string(
-        f"string at {omega!r}, damping {zeta!r}, viscosity {eta!r}",
+    amplitudes = {1: 0.5 + 0j} if drive is None else dict(drive)
+    name = f"string at {omega!r}, damping {zeta!r}, viscosity {eta!r}"
+    problem = driven_string(
+        name if drive is None else f"{name} under {amplitudes!r}",
         ComplexRing(),
         stiffness=lambda j: k(j) * k(j),
         impedance=lambda j: impedance(k(j)),
         source=lambda j: source(k(j)),
-        drive={1: 0.5 + 0j} if drive is None else dict(drive),
+        drive=amplitudes,
         equation_residual=equation_residual,
         end_residual=end_residual,
         end_unit=lambda j: source(k(j)) / impedance(k(j)),
     )
+    exact = {j: acb(c) for j, c in amplitudes.items()}
+    return replace(problem, balls=lambda: ball_damped_string(omega, zeta, eta, exact))
 
 
 def _coefficient(name: str, value: Any) -> float:
@@ -142,6 +152,7 @@ def _coefficient(name: str, value: Any) -> float:
     return number
 
 
+@remembering
 def generator_damped_string(order: int) -> Problem[Any]:
     r"""The viscously damped string (η = 0, ΔZ = cos Ωτ), exact, in its impedances.
 
@@ -184,18 +195,29 @@ def generator_damped_string(order: int) -> Problem[Any]:
     )
 
 
-def generator_values(omega: float, damping: float, order: int) -> dict[str, complex]:
+def generator_values(
+    omega: float, damping: float, order: int, enclosed: bool = False
+) -> dict[str, Any]:
     """Numbers for the generators of :func:`generator_damped_string`.
+
+    In doubles; or, ``enclosed``, balls in the precision of the moment, over which
+    :meth:`~asymptotics.rings.GeneratorRing.evaluate` bounds its own error.
 
     >>> values = generator_values(2.0, 0.1, 1)
     >>> values["a"], values["b"]
     ((4+0j), 0.4j)
     """
-    values = {"a": complex(omega * omega), "b": complex(0, 2 * damping * omega)}
-    values["g"] = source(wavenumber(1, omega, damping))
-    for j in excited([1], order):
-        if j:
-            values[f"y{j}"] = impedance(wavenumber(j, omega, damping))
+    if enclosed:
+        problem = ball_damped_string(omega, damping)
+        rate, zeta = acb(omega), acb(damping)
+        values: dict[str, Any] = {"a": rate * rate, "b": 2 * zeta * rate * acb(0, 1)}
+        values["g"] = -problem.mode(1).source[1]
+        slopes = {j: problem.mode(j).impedance[0][1] for j in excited([1], order)}
+    else:
+        values = {"a": complex(omega * omega), "b": complex(0, 2 * damping * omega)}
+        values["g"] = source(wavenumber(1, omega, damping))
+        slopes = {j: impedance(wavenumber(j, omega, damping)) for j in excited([1], order) if j}
+    values |= {f"y{j}": slope for j, slope in slopes.items() if j}
     return values | {
         name + "_": value.conjugate() for name, value in values.items() if name not in "ab"
     }

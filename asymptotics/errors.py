@@ -5,9 +5,21 @@ Every error names what was given, what is allowed and what to do about it.
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class RopewaveError(Exception):
     """Base of every error that ropewave raises on purpose."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An exception is pickled as its class called with its message; some take more.
+        return _again, (type(self), self.args, self.__dict__)
+
+
+def _again(kind: type[RopewaveError], args: tuple[Any, ...], state: dict[str, Any]) -> Any:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(state)
+    return error
 
 
 class InputError(RopewaveError, ValueError):

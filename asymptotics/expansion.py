@@ -20,7 +20,7 @@ once computed, is never touched again: extending an expansion appends to it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Generic
 
 from asymptotics.errors import InputError
@@ -159,7 +159,7 @@ def expand(
     >>> solution.contact(2)          # ξ₂ = −Ω²/16 − Ω³/8 cot 2Ω cos 2θ
     {0: (-Omega^2)/(16), 2: (-Omega^3*c^2 + Omega^3)/(32*(c))}
     """
-    expansion = Expansion(problem, start.orders[: check_order(order)]) if start else None
+    expansion = replace(start, orders=start.orders[: check_order(order)]) if start else None
     for expansion in expansions(problem, order, start):
         if progress is not None:
             progress(expansion.order)
@@ -179,6 +179,11 @@ def expansions(
         raise InputError(
             f"the expansion to continue belongs to {start.problem.name!r}, not to {problem.name!r}"
         )
+    if problem.balls is not None:
+        from asymptotics.rounded import rounded_expansions
+
+        yield from rounded_expansions(problem, order, start)
+        return
     orders = list(start.orders) if start is not None else []
     towers = _Towers(problem)
     for n, known in enumerate(orders, start=1):

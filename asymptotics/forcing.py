@@ -17,18 +17,21 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from flint import acb, arb, fmpq
 
+from asymptotics.balls import AcbRing, ArbRing
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion import check_order
 from asymptotics.harmonics import pack, reachable, unpack
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, check_frequency, driven_string, pole_at
 from asymptotics.rings import ComplexRing, FloatRing, Ring
 
@@ -63,19 +66,29 @@ class Drive:
         >>> high, low                # 3 · 0.1 − 0.3 of the doubles, not of the decimals
         (2.7755575615628914e-17, 0.0)
         """
+        exact = self.exact_rate(packed)
+        high = float(exact)
+        return high, float(exact - Fraction(high))
+
+    def exact_rate(self, packed: int) -> Fraction:
+        """n·Ω of the doubles Ω as they stand."""
         indices = unpack(packed, len(self.frequencies))
-        exact = sum(
+        return sum(
             (n * Fraction(omega) for n, omega in zip(indices, self.frequencies, strict=True)),
             Fraction(0),
         )
-        high = float(exact)
-        return high, float(exact - Fraction(high))
 
     def circular(self, packed: int) -> tuple[float, float, float]:
         """x = n·Ω, cos x and sin x, to a few ulp of their own even next to a pole of cot x."""
         x, lost = self.rate(packed)
         c, s = math.cos(x), math.sin(x)
         return x, c - lost * s, s + lost * c
+
+    def enclosed_circular(self, packed: int) -> tuple[arb, arb, arb]:
+        """The same as balls in the precision of the moment."""
+        exact = self.exact_rate(packed)
+        x = arb(fmpq(exact.numerator, exact.denominator))
+        return x, x.cos(), x.sin()
 
     def phase(self, packed: int, tau: npt.ArrayLike) -> Array:
         """θ_n at the times τ, any shape."""
@@ -180,6 +193,7 @@ def excited(drive: Sequence[int], order: int) -> list[int]:
     return sorted({j for n in range(1, order + 1) for j in reachable(drive, n)})
 
 
+@remembering
 def forced_string(drive: Drive, order: int) -> Problem[Any]:
     """The string under a drive, in double precision; for :func:`asymptotics.expansion.expand`.
 
@@ -203,19 +217,43 @@ def forced_string(drive: Drive, order: int) -> Problem[Any]:
     _check_resonances(drive, order)
     ring: Ring[Any] = FloatRing() if drive.even else ComplexRing()
 
-    circular = cache(drive.circular)
+    amplitudes = {j: c.real if drive.even else c for j, c in drive.amplitudes.items()}
+    problem = _forced(drive, ring, drive.circular, amplitudes)
+    return replace(problem, balls=lambda: ball_forced_string(drive))
 
-    def impedance(j: int) -> float:
+
+@remembering
+def ball_forced_string(drive: Drive) -> Problem[Any]:
+    """:func:`forced_string` over balls, of the doubles in the drive as they stand; no resonance is
+    refused. Make it, and expand it, within :func:`~asymptotics.precision.at_precision`.
+    """
+    amplitudes = {j: acb(c) for j, c in drive.amplitudes.items()}
+    if drive.even:
+        real = {j: c.real for j, c in amplitudes.items()}
+        return _forced(drive, ArbRing(), drive.enclosed_circular, real)
+    return _forced(drive, AcbRing(), drive.enclosed_circular, amplitudes)
+
+
+def _forced(
+    drive: Drive,
+    ring: Ring[Any],
+    circle: Callable[[int], tuple[Any, Any, Any]],
+    amplitudes: Mapping[int, Any],
+) -> Problem[Any]:
+    """The string with x, cos x, sin x of each combination, x = n·Ω, from ``circle``."""
+    circular = cache(circle)
+
+    def impedance(j: int) -> Any:
         x, c, s = circular(j)
-        return x * c / s if s else 1.0
+        return 1 if x == 0 else x * c / s
 
-    def source(j: int) -> float:
+    def source(j: int) -> Any:
         x, _, s = circular(j)
-        return x / s if s else 1.0
+        return 1 if x == 0 else x / s
 
     def end_residual(j: int, w: Sequence[Any]) -> Any:
         x, c, s = circular(j)
-        return w[0] * c - w[1] * (s / x if x else 1.0)
+        return w[0] * c - w[1] * (1 if x == 0 else s / x)
 
     return driven_string(
         f"string at {drive.frequencies!r} under {dict(drive.amplitudes)!r}",
@@ -223,7 +261,7 @@ def forced_string(drive: Drive, order: int) -> Problem[Any]:
         stiffness=lambda j: ring.one * circular(j)[0] ** 2,
         impedance=lambda j: ring.one * impedance(j),
         source=lambda j: ring.one * source(j),
-        drive={j: c.real if drive.even else c for j, c in drive.amplitudes.items()},
+        drive=amplitudes,
         equation_residual=lambda j, w: w[2] + circular(j)[0] ** 2 * w[0],
         end_residual=end_residual,
         end_unit=lambda j: ring.one,

@@ -11,14 +11,18 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
+from flint import acb
+
 from asymptotics.errors import InputError
 from asymptotics.expansion import check_order
 from asymptotics.forcing import Drive, Index, excited, packed_index
 from asymptotics.harmonics import unpack
+from asymptotics.pickling import remembering
 from asymptotics.problem import Problem, driven_string
 from asymptotics.rings import GeneratorRing
 
 
+@remembering
 def generator_string(harmonics: Sequence[Index], order: int, sines: bool = True) -> Problem[Any]:
     r"""The string under a drive with the given harmonics, exact in everything.
 
@@ -91,8 +95,11 @@ def _label(packed: int, count: int) -> str:
     return "_".join(str(n).replace("-", "m") for n in unpack(packed, count))
 
 
-def generator_values(drive: Drive, order: int) -> dict[str, complex]:
+def generator_values(drive: Drive, order: int, enclosed: bool = False) -> dict[str, Any]:
     """Numbers for the generators of :func:`generator_string`, for the harmonics of one drive.
+
+    In doubles; or, ``enclosed``, balls in the precision of the moment, over which
+    :meth:`~asymptotics.rings.GeneratorRing.evaluate` bounds its own error.
 
     >>> import math
     >>> from asymptotics.forcing import fourier_drive
@@ -103,14 +110,16 @@ def generator_values(drive: Drive, order: int) -> dict[str, complex]:
     """
     count = len(drive.frequencies)
     heads = ["Omega"] if count == 1 else [f"Omega{i}" for i in range(1, count + 1)]
-    values = {name: complex(x) for name, x in zip(heads, drive.frequencies, strict=True)}
+    number: Any = acb if enclosed else complex
+    circular: Any = drive.enclosed_circular if enclosed else drive.circular
+    values = {name: number(x) for name, x in zip(heads, drive.frequencies, strict=True)}
     for j in excited(list(drive.amplitudes), order):
         if j:
-            _, c, s = drive.circular(j)
-            values["k" + _label(j, count)] = complex(c / s)
+            _, c, s = circular(j)
+            values["k" + _label(j, count)] = number(c / s)
     for j, c_j in drive.amplitudes.items():
         name = "A" + _label(j, count)
-        values[name] = c_j / (drive.circular(j)[2] if j else 1.0)
+        values[name] = number(c_j) / (circular(j)[2] if j else 1)
         if j:
             values[name + "_"] = values[name].conjugate()
     return values

@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, Generic
 
 from asymptotics.cotangent import CotangentRing
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.pickling import Remembered, remembering
 from asymptotics.rings import E, FloatRing, Ring
 
 
@@ -46,7 +47,7 @@ class Mode(Generic[E]):
 
 
 @dataclass(frozen=True)
-class Problem(Generic[E]):
+class Problem(Remembered, Generic[E]):
     r"""Everything the order loop and the proof need to know.
 
     Attributes
@@ -78,6 +79,10 @@ class Problem(Generic[E]):
     rest
         ξ₀, the static contact point; None where it is no element of the ring. The expansion does
         not need it, its values do.
+    balls
+        Makes the same problem over balls, in the precision of the moment. Where it is given,
+        :func:`~asymptotics.expansion.expand` computes there and rounds to doubles, all digits
+        right: see :mod:`asymptotics.rounded`.
     """
 
     name: str
@@ -94,6 +99,7 @@ class Problem(Generic[E]):
     load: E = field(repr=False)
     static_end_residual: Callable[[], E] = field(repr=False)
     rest: E | None = None
+    balls: Callable[[], Problem[Any]] | None = field(default=None, repr=False)
 
 
 def driven_string(
@@ -154,6 +160,7 @@ def driven_string(
     )
 
 
+@remembering
 def string(
     ring: Ring[E],
     omega: E,
@@ -216,14 +223,18 @@ def string(
     )
 
 
+@remembering
 def exact_string() -> Problem[Any]:
     """The string over the exact ring: closed forms in Ω."""
     ring = CotangentRing()
     return string(ring, ring.omega, ring.cot, name="string")
 
 
+@remembering
 def float_string(omega: float, order: int) -> Problem[Any]:
     """The string in double precision at one Ω; refuses the resonances of ``order``.
+
+    The expansion is computed over balls and rounded: see :mod:`asymptotics.rounded`.
 
     Raises
     ------
@@ -232,8 +243,13 @@ def float_string(omega: float, order: int) -> Problem[Any]:
     ResonanceError
         Ω is at, or numerically at, pπ/q with q ≤ order; the error names p/q.
     """
+    from asymptotics.balls import ball_string
+
     omega = check_frequency(omega, order)
-    return string(FloatRing(), omega, lambda j: accurate_cot(j, omega), name=f"string at {omega!r}")
+    problem = string(
+        FloatRing(), omega, lambda j: accurate_cot(j, omega), name=f"string at {omega!r}"
+    )
+    return replace(problem, balls=lambda: ball_string(omega))
 
 
 def accurate_cot(j: int, omega: float) -> float:

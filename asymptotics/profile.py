@@ -21,9 +21,10 @@ with its complex conjugate added, and its G_{k,l} are complex functions of θ, s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Generic
+from itertools import chain
+from typing import Any, Generic
 
 from asymptotics.expansion import Expansion, Progress, derivative_towers
 from asymptotics.harmonics import (
@@ -36,6 +37,7 @@ from asymptotics.harmonics import (
     multiply_into,
 )
 from asymptotics.rings import E, Ring
+from asymptotics.rounded import RoundedExpansion, to_double
 
 Series = list[Harmonics[E]]
 """A power series in the small parameter, entry n a Fourier series in θ."""
@@ -78,6 +80,8 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
     >>> frame.modes[1][0][2]         # cos Ωs at order ε̂²: −Ω²/4 (1 + cos 2θ)
     {2: (-Omega^2)/(8), 0: (-Omega^2)/(4)}
     """
+    if isinstance(expansion, RoundedExpansion):
+        return _rounded_frame(expansion, progress)
     problem, last = expansion.problem, expansion.order
     ring = problem.ring
     derivative = derivative_towers(expansion)
@@ -119,6 +123,23 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
                 series.append(_half(collect(terms, ring)) if k == 0 else collect(terms, ring))
         if progress is not None and n:
             progress(n)
+    return MovingFrame(expansion, static, modes)
+
+
+def _rounded_frame(expansion: RoundedExpansion, progress: Progress | None) -> MovingFrame[Any]:
+    """From the balls, rounded as they are."""
+
+    def groups(frame: MovingFrame[Any]) -> Iterator[Iterable[Any]]:
+        for orders in zip(*chain(frame.static, *frame.modes.values()), strict=True):
+            yield [c for harmonics in orders for c in harmonics.values()]
+
+    def rounded(series: Series[Any]) -> Series[Any]:
+        name = expansion.problem.name
+        return [{j: to_double(c, name) for j, c in harmonics.items()} for harmonics in series]
+
+    frame = expansion.certain(lambda balls: moving_frame(balls, progress), groups)
+    static = tuple(rounded(series) for series in frame.static)
+    modes = {k: tuple(rounded(series) for series in rows) for k, rows in frame.modes.items()}
     return MovingFrame(expansion, static, modes)
 
 

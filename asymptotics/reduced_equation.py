@@ -33,7 +33,6 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb, arb_poly, arb_series, fmpq
 
-from asymptotics.balls import at_precision
 from asymptotics.beam import beam, static_beam
 from asymptotics.beam_numbers import Numbers, balls
 from asymptotics.beam_spectrum import linear_frequencies
@@ -41,6 +40,7 @@ from asymptotics.beam_waves import StaticBeam, Waves, waves
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, expand
 from asymptotics.harmonics import Terms, multiply_into
+from asymptotics.precision import at_precision
 from asymptotics.problem import Mode, Problem
 from asymptotics.rings import FloatRing
 

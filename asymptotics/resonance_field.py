@@ -11,11 +11,11 @@ from __future__ import annotations
 from fractions import Fraction
 from math import gcd
 
-import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
 
 from asymptotics.cotangent import cotangent_powers, resonance_polynomial
 from asymptotics.errors import InputError
+from asymptotics.precision import at_precision
 
 _CONTEXT = fmpq_mpoly_ctx.get(["pi", "c"], Ordering.lex)
 PI, C = _CONTEXT.gens()
@@ -100,7 +100,7 @@ class ResonanceField:
             return arb(0)
         working = 2 * bits
         while True:  # a reduced coefficient is zero only without terms, so this ends
-            with flint.ctx.workprec(working):
+            with at_precision(working):
                 pi, c = arb.pi(), _cot_pi(self.p, self.q) if self.q > 1 else arb(0)
                 total = arb(0)
                 for (a, i), r in terms:
@@ -143,7 +143,7 @@ def _minimal_polynomial(p: int, q: int) -> fmpz_poly:
     if q == 1:
         return fmpz_poly([0, 1])
     for bits in (64, 256, 1024, 4096):
-        with flint.ctx.workprec(bits):
+        with at_precision(bits):
             root = _cot_pi(p, q)
             candidates = [
                 factor

@@ -22,6 +22,9 @@ from typing import Any, Protocol, TypeVar
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from asymptotics.errors import InputError
+from asymptotics.pickling import register
+
+register()
 
 
 class Element(Protocol):
@@ -173,11 +176,26 @@ class GeneratorRing:
         self.one: fmpq_mpoly = self._context.constant(1)
 
     def __getitem__(self, name: str) -> fmpq_mpoly:
-        """The generator of that name."""
-        return self._generators[name]
+        """The generator of that name.
+
+        Raises
+        ------
+        InputError
+            There is none, as where a problem is expanded beyond the order it was made for.
+        """
+        try:
+            return self._generators[name]
+        except KeyError:
+            raise InputError(
+                f"there is no generator {name!r} among {', '.join(self.names)}; a problem over "
+                "generators is made for an order: give that of the expansion"
+            ) from None
 
     def evaluate(self, element: fmpq_mpoly, values: Mapping[str, F], ring: Ring[F]) -> F:
         """The polynomial at elements of another ring, one for each generator that occurs.
+
+        Over doubles a polynomial that cancels loses digits without a word; over balls the result's
+        radius says how many.
 
         >>> ring = GeneratorRing(["x", "y"])
         >>> half = ring["x"] * ring["y"] * ring.rational(1, 2)

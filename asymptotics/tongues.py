@@ -28,12 +28,12 @@ from functools import lru_cache
 from math import pi, sqrt
 from typing import Any
 
-import flint
 from flint import arb
 
 from asymptotics.errors import InputError
 from asymptotics.expansion import check_order
 from asymptotics.grazing import graze
+from asymptotics.precision import at_precision
 from asymptotics.resonance_field import ZERO, check_resonance
 from asymptotics.singular import SingularPart, centre_shift, next_terms, singular_part
 
@@ -251,7 +251,7 @@ def limit_law(p: int, q: int) -> LimitLaw:
     signed = field.reduce(4 * field.centre * first.harmonics[q])
     strength = signed if float(field.value(signed)) > 0 else -signed
     shift = centre_shift(p, q) if q > 2 else ZERO
-    with flint.ctx.workprec(128):
+    with at_precision(128):
         bound = (arb.pi() ** 2 / (4 * field.value(strength))) ** (arb(1) / q)
     return LimitLaw(
         p=p,

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -230,15 +231,15 @@ def differentiate(slope: Callable[[Array], Array], until: float) -> Callable[[Ar
     >>> bool(np.abs(second(t) - np.cos(t)).max() < 1e-13)
     True
     """
-    weights = [6 / 7, -15 / 56, 5 / 63, -1 / 56, 1 / 385, -1 / 5544]
-
-    def difference(t: Array, step: float) -> Array:
-        shifts = step * np.arange(1, 7).reshape((6,) + (1,) * np.ndim(t))
-        return np.tensordot(weights, slope(t + shifts) - slope(t - shifts), 1) / step
-
     samples = until * np.linspace(0, 1, 2048)
     steps = 2.0 ** -np.arange(14)
-    values = [difference(samples, step) for step in steps]
+    values = [_difference(slope, step, samples) for step in steps]
     changes = [np.abs(b - a).max() for a, b in pairwise(values)]
     best = float(steps[int(np.argmin(changes)) + 1])
-    return lambda t: difference(t, best)
+    return partial(_difference, slope, best)
+
+
+def _difference(slope: Callable[[Array], Array], step: float, t: Array) -> Array:
+    weights = [6 / 7, -15 / 56, 5 / 63, -1 / 56, 1 / 385, -1 / 5544]
+    shifts = step * np.arange(1, 7).reshape((6,) + (1,) * np.ndim(t))
+    return np.tensordot(weights, slope(t + shifts) - slope(t - shifts), 1) / step

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Any, ParamSpec
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from numerics.errors import InputError
 
 Array = NDArray[np.float64]
+P = ParamSpec("P")
 
 LOWEST, HIGHEST = 1e-100, 1e100
 """The frequencies between which Ω² and 2π/Ω, and some thousand of either, are finite."""
@@ -37,6 +39,8 @@ class Drive:
         Ω of a (nearly) periodic drive; None otherwise. Runs are measured in its periods.
     curvature
         Z″, if at hand; only the exact string asks for it, and does without.
+
+    A drive of this module pickles and deep-copies; one of your own does where its functions do.
 
     Examples
     --------
@@ -78,6 +82,40 @@ class Drive:
         return 2 * math.pi / self.omega
 
 
+class _Part:
+    """One function of a drive, pickled as the call that made the drive."""
+
+    def __init__(self, function: Callable[[Array], Array], name: str, origin: Any) -> None:
+        self.function, self.name, self.origin = function, name, origin
+
+    def __call__(self, t: Array) -> Array:
+        return self.function(t)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _part, (self.name, *self.origin)
+
+
+def _part(name: str, make: Callable[..., Drive], args: Any, kwargs: Any) -> Any:
+    return getattr(make(*args, **kwargs), name)
+
+
+def picklable(make: Callable[P, Drive]) -> Callable[P, Drive]:
+    """Let the drives that a module's function makes be pickled, with all that holds them."""
+
+    @wraps(make)
+    def made(*args: P.args, **kwargs: P.kwargs) -> Drive:
+        drive = make(*args, **kwargs)
+        parts: dict[str, Any] = {
+            name: _Part(getattr(drive, name), name, (made, args, kwargs))
+            for name in ("height", "slope", "curvature")
+            if getattr(drive, name) is not None
+        }
+        return replace(drive, **parts)
+
+    return made
+
+
+@picklable
 def at_rest(height: float = 1.0) -> Drive:
     """Z = ``height`` for ever.
 
@@ -92,6 +130,7 @@ def at_rest(height: float = 1.0) -> Drive:
     return Drive(lambda t: np.full(np.shape(t), z), nothing, f"rest {z!r}", curvature=nothing)
 
 
+@picklable
 def cosine(omega: float, epsilon: float) -> Drive:
     """Z = 1 + ε cos Ωτ for all τ ≥ 0, the paper's eq. (forcing); the start is sudden.
 
@@ -108,6 +147,7 @@ def cosine(omega: float, epsilon: float) -> Drive:
     )
 
 
+@picklable
 def ramped_cosine(omega: float, epsilon: float, periods: float = 20.0) -> Drive:
     """Z = 1 + ε r(τ) cos Ωτ with r rising from 0 at τ = 0 to 1 after ``periods`` forcing periods.
 

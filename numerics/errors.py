@@ -6,7 +6,7 @@ of its own: the two packages share no code.)
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from numerics.characteristics import SonicContact
@@ -15,6 +15,16 @@ if TYPE_CHECKING:
 
 class NumericsError(Exception):
     """Base of every error that the numerics raise on purpose."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An exception is pickled as its class called with its message; some take more.
+        return _again, (type(self), self.args, self.__dict__)
+
+
+def _again(kind: type[NumericsError], args: tuple[Any, ...], state: dict[str, Any]) -> Any:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(state)
+    return error
 
 
 class InputError(NumericsError, ValueError):

@@ -13,7 +13,6 @@ from flint import arb, fmpq
 from asymptotics import ClosedForms, Expansion, expand, moving_frame
 from asymptotics.balls import (
     AcbRing,
-    at_precision,
     ball_damped_string,
     ball_string,
     frequency,
@@ -21,7 +20,6 @@ from asymptotics.balls import (
 )
 from asymptotics.certified import (
     Enclosure,
-    PrecisionError,
     contact_harmonics,
     evaluate_certified,
 )
@@ -30,6 +28,7 @@ from asymptotics.damped import damped_string
 from asymptotics.errors import InputError, OrderingError, ResonanceError
 from asymptotics.evaluate import evaluate
 from asymptotics.numpy_code import numpy_module
+from asymptotics.precision import PrecisionError, at_precision
 from asymptotics.proof import residuals
 
 FREQUENCIES = ["0.83", 2.2, "pi/2 + 1e-9", "pi/3 - 1e-12", "2*pi/5 + 1e-30", "3 pi", 7.0]

@@ -8,7 +8,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from flint import arb, ctx
+from flint import arb
 from mpmath import mpf
 
 from asymptotics import Expansion, expand, moving_frame, string
@@ -19,6 +19,7 @@ from asymptotics.beam_waves import end_residuals, static_end_residuals, waves
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion import derivative_towers
 from asymptotics.harmonics import reachable
+from asymptotics.precision import at_precision
 from asymptotics.proof import RefutedError, prove, residuals
 from asymptotics.static_shape import DRIVEN_ENDS
 
@@ -178,9 +179,7 @@ def test_residuals_at_fifty_digits(driven_end: str) -> None:
 
 
 def test_balls_enclose_zero_and_the_numbers() -> None:
-    precision = ctx.prec
-    ctx.prec = 200
-    try:
+    with at_precision(200):
         solution = expand(beam("0.01", "2.2", "pinned", balls()), 4)
         frame = moving_frame(solution)
         with mpmath.workdps(60):
@@ -192,8 +191,6 @@ def test_balls_enclose_zero_and_the_numbers() -> None:
             for j, c in solution.contact(n).items():
                 assert abs(c - arb(mpmath.nstr(numbers.contact(n)[j], 55))) < 1e-52
                 assert 0 < c.rad() < 1e-45
-    finally:
-        ctx.prec = precision
 
 
 def test_floats_are_the_digits_rounded() -> None:

@@ -9,6 +9,7 @@ from flint import arb, fmpq
 
 from asymptotics.errors import InputError
 from asymptotics.laurent import LaurentElement, LaurentRing, PrecisionError
+from asymptotics.precision import at_precision
 from asymptotics.resonance_field import C, ResonanceField, constant
 
 RESONANCES = [(1, 1), (2, 1), (1, 2), (3, 2), (2, 3), (1, 4), (3, 4), (2, 5), (1, 6), (3, 8)]
@@ -18,7 +19,7 @@ BITS = 400
 
 def value(ring: LaurentRing, element: LaurentElement) -> arb:
     """Σ a_k μ^k at MU."""
-    with flint.ctx.workprec(BITS):
+    with at_precision(BITS):
         return sum(
             (
                 ring.field.value(a, BITS) * arb(MU) ** k
@@ -32,7 +33,7 @@ def value(ring: LaurentRing, element: LaurentElement) -> arb:
 def test_series_are_those_functions(p: int, q: int) -> None:
     """Ω, cot jΩ and sin^{−q} Ω at μ = 2⁻⁴⁰; what is left is the O-term."""
     ring = LaurentRing(p, q, terms=5)
-    with flint.ctx.workprec(BITS):
+    with at_precision(BITS):
         omega = arb.pi() * p / q + arb(MU)
         assert value(ring, ring.omega).overlaps(omega)
         cases = [(ring.cot(j), (j * omega).cot()) for j in range(1, 2 * q + 3)]
@@ -123,7 +124,7 @@ def test_text_is_parsed_by_sympy() -> None:
     field = ResonanceField(2, 5)
     element = field.cot(3) * field.centre**2 - field.cot(1) * fmpq(3, 7) + 1
     number = sympy.N(sympy.sympify(field.text(element)), 30)
-    with flint.ctx.workprec(128):
+    with at_precision(128):
         assert abs(arb(str(number)) - field.value(element)) < arb(10) ** -28
     assert field.text(constant(0)) == "0"
     assert field.text(constant(-1)) == "-1"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import mpmath
 import numpy as np
 import pytest
 import sympy
@@ -211,6 +212,17 @@ def test_pulse_against_its_fourier_integral():
         tau,
     )
     assert np.max(np.abs(above - exact)) > 1.0
+
+
+def test_transfer_far_from_the_real_axis():
+    """Ω/(2 sin Ω) where sin Ω overflows, and on both sides of |Im Ω| = 1."""
+    omega = np.array([1 + 1000j, 1 - 800j, 2 + 300j, -3 + 1.0001j, 3 - 0.9999j, -40j])
+    with mpmath.workdps(30):
+        for found, x in zip(transfer(omega), omega, strict=True):
+            exact = mpmath.mpc(x) / (2 * mpmath.sin(mpmath.mpc(x)))
+            assert abs(found - exact) <= 8 * UNIT * abs(exact) + 5e-324
+    with pytest.raises(InputError, match="overflow"):
+        contact_response_spectrum([1 - 500j], [1.0], [10.0])
 
 
 def test_spectrum_of_a_real_drive():

@@ -17,6 +17,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion import expand
 from asymptotics.normal_form import cotangent_terms
 from asymptotics.pendulum import coefficient
+from asymptotics.precision import at_precision
 from asymptotics.problem import string
 from asymptotics.resonance_field import constant
 from asymptotics.singular import (
@@ -150,7 +151,7 @@ def test_cotangent_forms_have_these_poles_at_q_2(sixth: Expansion, p: int, n: in
 def test_poles_of_the_canonical_fractions(sixth: Expansion, p: int, q: int, n: int) -> None:
     """A(Ω, c)/(d Π Ψ^m) with Ψ_q ≈ −Ψ_q′(c₀)(1 + c₀²) μ, evaluated in balls."""
     part = singular_part(p, q, q * n)
-    with flint.ctx.workprec(300):
+    with at_precision(300):
         omega, c = arb.pi() * p / q, (arb(p) / q).cot_pi()
         for j, element in sixth.contact(q * n).items():
             element = element.canonical()

@@ -1,0 +1,198 @@
+r"""Doubles with every digit right: the engine over balls, rounded.
+
+In doubles the order loop loses digits. Its Taylor sums about the static contact point hold terms
+that cancel: with bending the boundary layer of width √β makes those of order n larger than their
+sum by β^{−(n−1)/2}, on the string high orders and the neighbourhood of a resonance do the same. So
+a :class:`~asymptotics.problem.Problem` that states itself over balls too is expanded there, at a
+precision doubled until every coefficient is known to
+
+.. math:: |\text{error}| ≤ 2^{−56} (|c| + 2^{−1024} \max |c|),
+
+the maximum over its order, and then rounded: to within one unit in the last place. (The second term
+ends the doubling where a coefficient vanishes.) Arrays have no balls and stay in doubles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from flint import acb, arb
+
+from asymptotics.errors import InputError
+from asymptotics.expansion import Expansion, Order, expansions
+from asymptotics.precision import PrecisionError, at_precision, doubled, until
+from asymptotics.problem import Problem
+
+# Three bits beyond half a unit in the last place of a double.
+_RELATIVE = 56
+# A coefficient smaller than this part of its order's largest is given to that absolute accuracy.
+_VANISHING = 1024
+
+
+def first_bits(order: int) -> int:
+    """Where the doubling begins: the string loses some three bits an order."""
+    return 64 + 4 * order
+
+
+@dataclass(frozen=True)
+class RoundedExpansion(Expansion[Any]):
+    """An expansion in doubles with the balls that it was rounded from.
+
+    Attributes
+    ----------
+    balls
+        The expansion over balls, at least as long.
+    bits
+        The precision they were computed in.
+
+    The doubles' ``tails`` are empty: what continues the expansion is in the balls.
+    """
+
+    balls: Expansion[Any] = field(repr=False)
+    bits: int
+
+    def certain(self, compute: Callable[[Expansion[Any]], Any], parts: Callable[[Any], Any]) -> Any:
+        """``compute`` of the balls' expansion, at a precision that makes its balls accurate.
+
+        ``parts`` lists the result's balls, order by order. One below 2⁻²⁵⁶ of its order's largest
+        is right to that absolute accuracy: sums over many terms often vanish.
+        """
+        known = [Expansion(self.balls.problem, self.balls.orders[: self.order])]
+
+        def attempt() -> Any:
+            if not known:
+                *_, longest = expansions(over_balls(self.problem), self.order)
+                known.append(longest)
+            return compute(known.pop())
+
+        def settled(result: Any) -> bool:
+            return all(accurate(group, 256) for group in parts(result))
+
+        return until(settled, attempt, self.problem.name, self.bits)[0]
+
+
+def rounded_expansions(
+    problem: Problem[Any], order: int, start: Expansion[Any] | None = None
+) -> Iterator[Expansion[Any]]:
+    """What :func:`asymptotics.expansion.expansions` yields for a problem that has balls.
+
+    Raises
+    ------
+    PrecisionError
+        More than 8192 bits would be needed.
+    InputError
+        A number beyond what doubles hold.
+
+    Examples
+    --------
+    >>> from asymptotics import expand
+    >>> from asymptotics.beam import float_beam
+    >>> solution = expand(float_beam(1e-8, 2.2, 6), 6)         # doubles alone: 712
+    >>> solution.bits, round(2 * solution.contact(6)[6], 8)
+    (176, 568.34362859)
+    """
+    orders, bits, known = [], first_bits(order), None
+    if start is not None:
+        orders = list(start.orders)
+    if isinstance(start, RoundedExpansion):
+        bits, known = start.bits, start.balls
+    while len(orders) < order:
+        balls = known
+        for balls in _at_each_step(bits, problem, order, known):
+            with at_precision(bits):
+                new = balls.orders[-1]
+                groups = [new.contact.values(), [x for w in new.shape.values() for x in w]]
+                settled = all(accurate(group) for group in groups)
+            if not settled:
+                break
+            if balls.order > len(orders):
+                orders.append(_rounded_order(new, problem.name))
+                yield RoundedExpansion(problem, tuple(orders), balls, bits)
+        if len(orders) < order:
+            bits, known = doubled(bits, problem.name, balls), None
+
+
+def _at_each_step(
+    bits: int, problem: Problem[Any], order: int, start: Expansion[Any] | None
+) -> Iterator[Expansion[Any]]:
+    """The expansions over balls, as far as they go; in between the precision is the caller's."""
+    with at_precision(bits):
+        try:
+            exact = over_balls(problem) if start is None else start.problem
+        except PrecisionError:
+            return
+        steps = expansions(exact, order, start)
+    while True:
+        with at_precision(bits):
+            step = next(steps, None)
+        if step is None:
+            return
+        yield step
+
+
+def over_balls(problem: Problem[Any]) -> Problem[Any]:
+    """The same problem over balls, in the precision of the moment."""
+    assert problem.balls is not None
+    return problem.balls()
+
+
+def accurate(group: Iterable[arb | acb], vanishing: int = _VANISHING) -> bool:
+    """Whether each ball is tight enough to be rounded, as the module's docstring says."""
+    balls = list(group)
+    if all(ball.rel_accuracy_bits() > _RELATIVE for ball in balls):
+        return True
+    if not all(ball.is_finite() for ball in balls):
+        return False
+    largest = max((ball.abs_lower() for ball in balls), key=lambda x: x.mid(), default=arb(0))
+    floor = largest * arb(2) ** -vanishing
+    return all(
+        bool(_radius(ball) <= (ball.abs_lower() + floor) * arb(2) ** -_RELATIVE) for ball in balls
+    )
+
+
+def _radius(ball: arb | acb) -> arb:
+    return ball.rad() if isinstance(ball, arb) else ball.real.rad() + ball.imag.rad()
+
+
+def rounded_value(compute: Callable[[], arb | acb], what: str) -> float | complex:
+    """A ball computed at a precision doubled until it is accurate, rounded to a double.
+
+    A value that vanishes is 0 to 2⁻¹⁰⁷⁴.
+
+    >>> rounded_value(lambda: arb(0.1).exp() - 1 - arb(0.1), "a difference")
+    0.005170918075647625
+    """
+
+    def settled(ball: arb | acb) -> bool:
+        tiny = bool(abs(ball) < arb(2) ** -1074)
+        return tiny or accurate([ball])
+
+    return to_double(until(settled, compute, what)[0], what)
+
+
+def to_double(ball: arb | acb, what: str) -> float | complex:
+    """The double nearest to the ball's centre.
+
+    Raises
+    ------
+    InputError
+        It is beyond 10³⁰⁸ in size.
+    """
+    number = float(ball) if isinstance(ball, arb) else complex(ball)
+    if not (math.isfinite(number.real) and math.isfinite(number.imag)):
+        raise InputError(
+            f"{what}: the expansion holds {ball.str(6, radius=False)}, beyond what a double can "
+            "hold; ask for a lower order, or expand it over balls or digits"
+        )
+    return number
+
+
+def _rounded_order(order: Order[Any], name: str) -> Order[Any]:
+    return Order(
+        contact={j: to_double(c, name) for j, c in order.contact.items()},
+        shape={j: tuple(to_double(x, name) for x in w) for j, w in order.shape.items()},
+        tails=(),
+    )
