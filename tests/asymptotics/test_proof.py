@@ -95,6 +95,20 @@ def test_only_the_contact_fails(sixth: Expansion) -> None:
     assert [faults(proof) for proof in proofs] == [set()] * 6 + [{"contact"}]
 
 
+def test_height_and_slope_at_the_contact_point_are_two_conditions(sixth: Expansion) -> None:
+    """A wave that the driven end allows, its slope undone by ξ₆: the height alone is not zero."""
+    for j in (2, 4, 6):
+        slope = RING.rational(j) * RING.omega * RING.cot(j)
+        v, rate = sixth.shape(6)[j]
+        shape = dict(sixth.shape(6)) | {j: (v + RING.one, rate + slope)}
+        c = sixth.contact(6)[j] - slope * RING.rational(1, 2)
+        spoilt = changed(sixth, 6, shape=shape, contact=dict(sixth.contact(6)) | {j: c})
+        assert faults(refuted(spoilt)[6]) == {"contact"}
+        left = residuals(spoilt, moving_frame(spoilt), 6).contact
+        assert {key for key, x in left.items() if not x.is_zero()} == {(0, j)}
+        assert [point.orders for point in enclosures(spoilt)] == [(True,) * 5 + (False,)] * 3
+
+
 def test_only_the_driven_end_fails(sixth: Expansion) -> None:
     """Another weight of the drive in the problem's own words."""
     problem = replace(sixth.problem, end_unit=lambda j: RING.rational(2) * RING.omega)
@@ -257,6 +271,19 @@ def test_the_enclosures_are_narrow_and_the_same_each_time(sixth: Expansion) -> N
     assert all(len(point.orders) == 3 for point in enclosures(two))
 
 
+def test_balls_that_stay_wide_are_no_enclosure(
+    sixth: Expansion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wide ball contains zero, and much else."""
+    import asymptotics.enclosures as module
+
+    monkeypatch.setattr(module, "WIDEST", 0.0)
+    monkeypatch.setattr(module, "_MOST_BITS", 256)
+    point = enclosures(sixth, points=1)[0]
+    assert 0 < point.radius < 1e-60
+    assert not any(point.orders)
+
+
 def test_the_certificate_says_what_the_proof_is_relative_to(sixth: Expansion) -> None:
     words = str(prove(sixth)).splitlines()
     assert len(words) == 8
@@ -334,7 +361,7 @@ def test_at_some_phases_a_harmonic_vanishes() -> None:
     """n = (1, 0) − (0, 1) − (1, −1) = 0: here the real part of an imaginary product."""
     drive = fourier_drive([0.7, 1.9], {(1, 0): 0.3, (0, 1): 0.4}, {(1, -1): 0.5})
     expansion = expand(forced_string(drive, 3), 3)
-    assert 0 not in expansion.contact(3)
+    assert not expansion.contact(3).get(0, 0)
     assert prove(expansion)[3].missing == ()
     nothing = replace(expansion.orders[0], contact={}, shape={})
     problem = replace(expansion.problem, drive={1: 0j})
