@@ -412,6 +412,12 @@ def test_truncated_series_are_proved_as_far_as_they_are_known() -> None:
     assert faults(refuted(changed(expansion, 2, contact=contact))[2]) == {"contact"}
 
 
+def test_progress_is_told(sixth: Expansion) -> None:
+    seen: list[int] = []
+    prove(sixth, progress=seen.append)
+    assert seen == [1, 2, 3, 4, 5, 6]
+
+
 def test_generators_prove_as_before() -> None:
     for expansion in (expand_symbolic(3), expand(generator_string([1, 2], 2), 2)):
         proofs = prove(expansion)
