@@ -165,7 +165,7 @@ def _left_out(order: int, out: Path | None) -> str:
 def _show(text: str, proofs: Any, always: bool) -> None:
     """The formulas, or the proofs alone where the formulas are long and stand in a file."""
     if not text or (len(text) > SCREEN and not always):
-        text = "\n".join(str(proof) for proof in proofs) + "\n"
+        text = f"{proofs}\n"
     print(text, end="")
 
 
