@@ -1,27 +1,36 @@
-r"""Folds: how the wave-less state is lost next to a resonance when the rope resists bending.
+r"""Folds: where two states merge next to a resonance when the rope resists bending.
 
 Near Ω = Ω_p(β)/q + μ, Ω_p a frequency of the true linear spectrum, the amplitude a of cos qθ in the
 contact point is resonant and obeys
 
 .. math:: (qμ − γε^2)\, a = F ε^q + α a^3, \qquad θ = Ωτ.
 
-Its two small solutions meet, and end, on the *fold*. With M = qμ − γε² the cubic has a double root
-where 27 α F² ε^{2q} = 4M³, on the side Mα > 0:
+With M = qμ − γε² the cubic has a double root where 27 α F² ε^{2q} = 4M³, on the side Mα > 0:
 
-.. math:: ε = C_{p,q} |μ − γε^2/q|^{3/(2q)}, \qquad
+.. math:: qμ = γε^2 + κ ε^{2q/3}, \quad κ = (27αF^2/4)^{1/3}, \qquad \text{or} \qquad
+          ε = C_{p,q} |μ − γε^2/q|^{3/(2q)}, \quad
           C_{p,q} = \Bigl(\frac{2 q^{3/2}}{3\sqrt3\,|F|\sqrt{|α|}}\Bigr)^{1/q}.
 
-For q ≤ 2 the shift is small against μ and the same law holds in μ itself. For q = 3 both terms are
-∝ ε², so that the exponent ½ survives in μ with another coefficient, possibly on the other side. For
-q ≥ 4 the shift dominates: a power law holds in the distance from the shifted centre only.
+For q = 1 the shift γ is of higher order. For q = 2 it is small against μ as μ → 0, but no smaller
+than other terms that are kept. For q = 3 both terms are ∝ ε², so that the exponent ½ survives in μ
+with another coefficient, possibly on the other side. For q ≥ 4 the shift dominates: a power law
+holds in the distance from the shifted centre only.
 
-**Where the coefficients come from.** Expanding the amplitude equation in ε and comparing with the
-engine's ξ_{n,q}, the coefficient of εⁿ cos qθ in ξ_c (:mod:`asymptotics.resonant_laurent`),
+**What a fold ends.** There are three states where σqμ > S(ε) = σγε² + |κ|ε^{2q/3}, σ = sign α, and
+one elsewhere. Raised from rest at a fixed μ with σμ > 0, the state is the middle root of the three,
+and it ends where S reaches σqμ: the fold *ends the branch from rest*. But where S starts downwards,
+the fold is on the side σμ < 0: there the state from rest is the only one, entering S < σqμ a
+*disconnected pair is born* beside it, and it passes through. S starts upwards, S > 0, if
 
-.. math:: ξ_{q,q} = \frac{F}{qμ} + …, \qquad ξ_{q+2,q} = \frac{γF}{(qμ)^2} + …\ (q ≥ 2), \qquad
-          ξ_{3,1} = \frac{αF^3}{μ^4} + …\ (q = 1).
+.. math:: q ≤ 2; \qquad |κ| + σγ > 0 \;(q = 3); \qquad σγ > 0 \;(q ≥ 4).
 
-α belongs to the mode p alone, so that q = 1 gives it for every q.
+Either kind is met *by sweeping Ω at fixed ε*: the middle root, small far away on the side σ, is
+lost where the sweep leaves σqμ > S. From the other side the single state goes over into the
+largest of the three, without a loss.
+
+**How far.** The law is made of leading terms; :mod:`asymptotics.fold_range` compares it with the
+reduced equation of higher order (:mod:`asymptotics.reduced_equation`, which also says how F, α and
+γ are found).
 
 **β → 0.** The second harmonic is then nearly resonant too, Ω_{2p} − 2Ω_p ≈ 3β(pπ)³, and
 
@@ -29,8 +38,8 @@ engine's ξ_{n,q}, the coefficient of εⁿ cos qθ in ξ_c (:mod:`asymptotics.r
           C_{p,q} ≈ \Bigl(\frac{4 q^{3/2}\sqrt{pπβ}}{3|F^0|}\Bigr)^{1/q} ∝ β^{1/(2q)},
           \qquad C_{p,1} ≈ \frac83\sqrt{\frac{β}{pπ}},
 
-F⁰ being the string's F: the law's coefficient vanishes, and with it the window |μ| ≪ Ω_{2p} − 2Ω_p
-in which it holds. Beyond, the string's pendulum law takes over, of exponent 2/q:
+F⁰ being the string's F: the law's coefficient vanishes, and with it its range ∝ Ω_{2p} − 2Ω_p. The
+rope without bending has another law, the pendulum's, of exponent 2/q:
 
 .. math:: ε = \Bigl(\frac{π^2μ^2}{4v}\Bigr)^{1/q}, \qquad v = \frac{4pπ|F^0|}{q^2}
           \qquad (ε = μ^2/8p^2 \text{ for } q = 1).
@@ -39,25 +48,52 @@ in which it holds. Beyond, the string's pendulum law takes over, of exponent 2/q
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from flint import arb
 
-from asymptotics.beam import check_beam, static_beam
-from asymptotics.beam_spectrum import linear_frequencies
+from asymptotics.balls import outward
+from asymptotics.beam import check_beam
+from asymptotics.checks import finite_number
 from asymptotics.errors import InputError
-from asymptotics.resonant_laurent import Array, Pair, beam_laurent, string_forcing
+from asymptotics.expansion import expand
+from asymptotics.fold_range import Range, fold_range
+from asymptotics.problem import string
+from asymptotics.reduced_equation import Array, Resonance
+from asymptotics.rings import FloatRing
+
+_EPS = float(np.finfo(float).eps)
+_BISECTIONS = 60  # of an interval of order one, to rounding
+_SIDES = {-1: "below", 1: "above"}
+
+LARGEST_Q = 10
+"""The reduced equation of order q + 4 takes time ∝ q⁶, and F falls faster than 10^{−q/2}."""
+
+
+class Kind(Enum):
+    """What happens at a fold to the states at fixed Ω when ε is raised."""
+
+    END = "ends the branch from rest"
+    BIRTH = "birth of a disconnected pair"
 
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A real number with an estimate of its absolute error."""
+    """A real number with a bound on its absolute error."""
 
     value: float
     error: float
+
+    @classmethod
+    def of(cls, ball: arb) -> Coefficient:
+        """The double next to a ball's centre, and how far from it the ball reaches."""
+        value = float(ball.mid())
+        return cls(value, outward(abs(ball - arb(value)))[1])
 
 
 @dataclass(frozen=True)
@@ -72,6 +108,8 @@ class Fold:
         Coefficients of the amplitude equation; γ is None for q = 1, where it is of higher order.
     string_F
         F⁰, the coefficient F at β = 0.
+    range
+        Where the law holds; None if no detuning was found at which it does.
     """
 
     p: int
@@ -83,6 +121,12 @@ class Fold:
     alpha: Coefficient
     gamma: Coefficient | None
     string_F: float
+    range: Range | None = None
+
+    @property
+    def resonant(self) -> Resonance:
+        """Which resonance this is."""
+        return Resonance(self.p, self.q, self.beta, self.driven_end)
 
     @property
     def exponent(self) -> Fraction:
@@ -95,82 +139,129 @@ class Fold:
         q, F, alpha = self.q, self.F, self.alpha
         value = float(fold_coefficient(q, F.value, alpha.value))
         relative = F.error / abs(F.value) + alpha.error / abs(2 * alpha.value)
-        return Coefficient(value, value * relative / q)
+        # The formula itself rounds a few times.
+        return Coefficient(value, value * (relative / q + 4 * _EPS))
 
     @property
     def sign(self) -> int:
-        """The sign of α: that of the detuning from the shifted centre on the fold."""
+        """σ, the sign of α: that of the detuning from the shifted centre on the fold."""
         return 1 if self.alpha.value > 0 else -1
 
     @property
+    def mu_sign(self) -> int:
+        """The sign of μ on the fold as ε → 0."""
+        return 1 if self._terms[0][0] > 0 else -1
+
+    @property
     def side(self) -> str:
-        """``below`` or ``above`` the (shifted) resonance."""
-        return "above" if self.sign > 0 else "below"
+        """``below`` or ``above`` the shifted resonance."""
+        return _SIDES[self.sign]
+
+    @property
+    def mu_side(self) -> str:
+        """``below`` or ``above`` Ω_p/q itself, where the fold starts at ε = 0."""
+        return _SIDES[self.mu_sign]
+
+    @property
+    def kind(self) -> Kind:
+        """What the fold is to the state that is reached from rest.
+
+        >>> fold(1, 1, 0.01).kind.value, fold(1, 3, 0.01).kind.value
+        ('ends the branch from rest', 'birth of a disconnected pair')
+        """
+        return Kind.END if self.mu_sign == self.sign else Kind.BIRTH
 
     @property
     def coefficient_in_detuning(self) -> float | None:
-        """The coefficient of |μ|^{3/(2q)} in μ itself, times the sign of μ; None for q ≥ 4."""
-        if self.q <= 2:
+        """The coefficient of |μ|^{3/(2q)} in μ itself, times the sign of μ; None if no such law."""
+        if self.q == 1:
             return self.sign * self.coefficient.value
-        if self.q > 3:
+        if self.q != 3:
             return None
-        rate = float(self.detuning(1.0))
-        return math.copysign(abs(rate) ** -0.5, rate)
+        return self.mu_sign * float(abs(self.detuning(1.0))) ** -0.5
+
+    @property
+    def cubic(self) -> float:
+        """κ = (27αF²/4)^{1/3}."""
+        return float(np.cbrt(27 * self.alpha.value / 4) * np.cbrt(self.F.value) ** 2)
+
+    @property
+    def _terms(self) -> list[tuple[float, int]]:
+        """qμ on the fold as Σ c x^m, x = ε^{2/3}, lowest power first."""
+        if self.gamma is None:
+            return [(self.cubic, 1)]
+        if self.q == 3:
+            return [(self.cubic + self.gamma.value, 3)]
+        return sorted([(self.cubic, self.q), (self.gamma.value, 3)], key=lambda term: term[1])
+
+    @property
+    def powers(self) -> list[tuple[float, Fraction]]:
+        """μ on the fold as Σ c ε^m: the pairs (c, m), lowest power first."""
+        return [(c / self.q, Fraction(2 * m, 3)) for c, m in self._terms]
 
     def detuning(self, epsilon: npt.ArrayLike) -> Array:
-        """μ on the fold at amplitude ε ≥ 0: [γε² + (27αF²/4)^{1/3} ε^{2q/3}]/q, exactly.
+        """μ on the fold at amplitude ε ≥ 0: (γε² + κε^{2q/3})/q.
 
         >>> fold(1, 1, 0.01).detuning([1e-4, 1e-3]).round(6)
         array([-0.009235, -0.042865])
         """
-        size = np.asarray(epsilon, dtype=float)
-        shift = 0.0 if self.gamma is None else self.gamma.value
-        return (shift * size**2 + self._cubic * size ** (2 * self.q / 3)) / self.q
-
-    @property
-    def _cubic(self) -> float:
-        return float(np.cbrt(27 * self.alpha.value * self.F.value**2 / 4))
+        x = np.asarray(epsilon, dtype=float) ** (2 / 3)
+        return np.asarray(sum(c * x**m for c, m in self._terms) / self.q)
 
     def epsilon(self, mu: npt.ArrayLike) -> Array:
-        """The smallest ε on the fold at detuning μ; nan when none is between 0 and 1.
+        """ε on the fold at detuning μ, from ε = 0 up to where μ turns round, or ε = 1; else nan.
 
-        x = ε^{2/3} solves γx³ + (27αF²/4)^{1/3} x^q = qμ. At ε = 1 the driven end touches down.
+        What happens there says :attr:`kind`, how good it is :meth:`error`: at the birth of a pair
+        the state reached from rest passes through. At ε = 1 the driven end touches down.
 
         >>> fold(1, 2, 0.01).epsilon([-1e-4, 1e-4]).round(6)
         array([0.000999,      nan])
         """
-        values = np.asarray(mu, dtype=float)
-        polynomial = np.zeros(max(3, self.q) + 1)
-        polynomial[self.q] = self._cubic
-        polynomial[3] += 0.0 if self.gamma is None else self.gamma.value
-        result = np.full(values.shape, math.nan)
-        for place, value in np.ndenumerate(values):
-            polynomial[0] = -self.q * value
-            roots = np.polynomial.Polynomial(polynomial).roots()
-            # A simple root is real to rounding; 1e-9 allows for roots close to a double one.
-            real = roots.real[(abs(roots.imag) <= 1e-9 * abs(roots)) & (roots.real > 0)]
-            real = real[real < 1]
-            if real.size:
-                result[place] = real.min() ** 1.5
-        return result
+        (first, low), *rest = self._terms
+        size = self.q * np.asarray(mu, dtype=float) / first
+        size = np.where(size > 0, size, math.nan)
+        alone = size ** (1 / low)
+        if not rest:
+            return np.where(alone <= 1, alone, math.nan) ** 1.5
+        [(second, high)] = rest
+        ratio, extra = second / first, high - low
+        # x^low (1 + ratio x^extra) = size; increasing up to ``turn``, where the bracket is
+        # 1 − low/high. Bisection for x/alone, which lies between its values at the ends.
+        turn = (low / (high * -ratio)) ** (1 / extra) if ratio < 0 else math.inf
+        end = min(1.0, turn)
+        left, right = sorted((1.0, (1 + ratio * end**extra) ** (-1 / low)))
+        below, above = np.full(size.shape, left), np.full(size.shape, right)
+        for _ in range(_BISECTIONS):
+            middle = (below + above) / 2
+            beyond = middle**low * (1 + ratio * (alone * middle) ** extra) > 1
+            below, above = np.where(beyond, below, middle), np.where(beyond, middle, above)
+        inside = size <= end**low * (1 + ratio * end**extra)
+        return np.where(inside, alone * above, math.nan) ** 1.5
+
+    def error(self, mu: npt.ArrayLike) -> Array:
+        """The estimated relative error of :meth:`epsilon`, c|μ|; inf beyond :attr:`range`.
+
+        >>> fold(1, 1, 0.01).error([-0.01, -0.03, -0.3]).round(3)
+        array([0.019, 0.057,   inf])
+        """
+        size = abs(np.asarray(mu, dtype=float))
+        if self.range is None:
+            return np.full(size.shape, math.inf)
+        return np.where(size <= self.range.mu, self.range.slope * size, math.inf)
+
+    def amplitude(self, epsilon: float) -> float:
+        """a at the double root, where 3αa² = M = κε^{2q/3}: 3Fε^q/(2M)."""
+        return 1.5 * self.F.value / self.cubic * epsilon ** (self.q / 3)
 
     def string_epsilon(self, mu: npt.ArrayLike) -> Array:
-        """The pendulum law of the rope without bending, (π²μ²/(4v))^{1/q}."""
+        """The pendulum law of the rope without bending, (π²μ²/(4v))^{1/q}: of another rope."""
         v = 4 * self.p * math.pi * abs(self.string_F) / self.q**2
         return np.asarray((math.pi**2 * np.asarray(mu, dtype=float) ** 2 / (4 * v)) ** (1 / self.q))
-
-    @property
-    def crossover(self) -> float:
-        """|μ| at which C |μ|^{3/(2q)} and the string's law meet.
-
-        A scale, not a place where either holds: as β → 0 and q = 1 it is 4096/(27π⁴) ≈ 1.56 times
-        the window Ω_{2p} − 2Ω_p of the fold's law.
-        """
-        return float((self.coefficient.value / self.string_epsilon(1.0)) ** (2 * self.q))
 
     def as_json(self) -> dict[str, Any]:
         """What ``ropewave fold P/Q --beta B --json`` prints."""
         found = {name: getattr(self, name) for name in ("F", "alpha", "gamma", "coefficient")}
+        reach = self.range
         return {
             "command": "fold",
             "p": self.p,
@@ -178,19 +269,54 @@ class Fold:
             "beta": self.beta,
             "driven_end": self.driven_end,
             "resonance": self.resonance,
+            "kind": self.kind.name.lower(),
+            "meaning": self.meaning,
             "exponent": str(self.exponent),
             "coefficient": self.coefficient.value,
-            "variable": "mu" if self.q <= 2 else f"mu - gamma*epsilon**2/{self.q}",
-            "coefficient_in_mu": self.coefficient_in_detuning,
+            "variable": "mu" if self.q == 1 else f"mu - gamma*epsilon**2/{self.q}",
             "side": self.side,
             "sign": self.sign,
+            "mu_of_epsilon": [{"coefficient": c, "exponent": str(m)} for c, m in self.powers],
+            "coefficient_in_mu": self.coefficient_in_detuning,
+            "side_in_mu": self.mu_side,
+            "range": None
+            if reach is None
+            else {
+                "mu": reach.mu,
+                "epsilon": reach.epsilon,
+                "error": reach.error,
+                "error_per_mu": reach.slope,
+                "reduced_order": reach.order,
+            },
+            "reason": self.reason,
             "F": self.F.value,
             "alpha": self.alpha.value,
             "gamma": None if self.gamma is None else self.gamma.value,
             "errors": {name: x.error for name, x in found.items() if x is not None},
             "string_F": self.string_F,
-            "crossover": self.crossover,
         }
+
+    @property
+    def meaning(self) -> list[str]:
+        """What follows for a state at fixed Ω when ε is raised, and at fixed ε when Ω is swept."""
+        name, direction = f"Omega_{self.p}/{self.q}", "up" if self.sign < 0 else "down"
+        rise = {
+            Kind.END: "raising epsilon from rest, the wave-less state ends here",
+            Kind.BIRTH: "raising epsilon from rest, the wave-less state passes through: "
+            "a pair of other states is born beside it",
+        }[self.kind]
+        return [
+            f"at fixed Omega {self.mu_side} {name}: {rise}",
+            f"at fixed epsilon: sweeping Omega {direction} from far {self.side}, "
+            "the small state ends here",
+        ]
+
+    @property
+    def reason(self) -> str:
+        """Why the range is what it is."""
+        if self.range is None:
+            return "no detuning was found at which the law holds: its next terms are too large"
+        return self.range.reason
 
 
 def fold_coefficient(q: int, F: npt.ArrayLike, alpha: npt.ArrayLike) -> Array:
@@ -209,7 +335,7 @@ def fold(p: int, q: int, beta: float, driven_end: str = "pinned") -> Fold:
     Parameters
     ----------
     p, q
-        Positive and without a common factor.
+        Positive and without a common factor; q ≤ :data:`LARGEST_Q`.
     beta
         β = B/(T x₀²) > 0.
     driven_end
@@ -218,8 +344,9 @@ def fold(p: int, q: int, beta: float, driven_end: str = "pinned") -> Fold:
     Raises
     ------
     InputError
-        p/q is not a reduced fraction of positive integers, β is not positive and finite, the driven
-        end is unknown, or another resonance is too close for the coefficients to be told apart.
+        p/q is not a reduced fraction of positive integers or q is too large, β is not positive and
+        finite or so small or large that the law leaves double precision, the driven end is unknown,
+        or another resonance is too close for the coefficients to be told apart.
 
     Examples
     --------
@@ -229,28 +356,68 @@ def fold(p: int, q: int, beta: float, driven_end: str = "pinned") -> Fold:
     >>> str(result.exponent), round(result.coefficient.value, 6), result.side
     ('3/2', 0.11268, 'below')
     """
+    found = amplitude_equation(p, q, beta, driven_end)
+    return replace(found, range=fold_range(found))
+
+
+def amplitude_equation(p: int, q: int, beta: float, driven_end: str = "pinned") -> Fold:
+    """:func:`fold` without the range of the law, which takes most of the time.
+
+    Raises what :func:`fold` raises.
+
+    Examples
+    --------
+    >>> F = [amplitude_equation(1, 2, beta).F.value for beta in (1e-2, 1e-6)]
+    >>> [round(value, 4) for value in F]                  # → −π³/64 = −0.4845 as β → 0
+    [-0.5566, -0.4845]
+    """
     p, q = check_fraction(p, q)
     check_beam(beta, driven_end)
-    resonance, F, alpha, gamma = amplitude_equation(p, q, np.array([float(beta)]), driven_end)
-    return Fold(
+    resonance = Resonance(p, q, finite_number("beta", beta), driven_end)
+    F, alpha, *gamma = (Coefficient.of(ball) for ball in resonance.coefficients())
+    result = Fold(
         p=p,
         q=q,
-        beta=float(beta),
+        beta=resonance.beta,
         driven_end=driven_end,
-        resonance=float(resonance[0]),
-        F=_coefficient(F),
-        alpha=_coefficient(alpha),
-        gamma=None if gamma is None else _coefficient(gamma),
+        resonance=resonance.value,
+        F=F,
+        alpha=alpha,
+        gamma=gamma[0] if gamma else None,
         string_F=string_forcing(p, q),
     )
+    if not all(0 < abs(x) < math.inf for x in (F.value, alpha.value, result.coefficient.value)):
+        raise InputError(
+            f"beta = {resonance.beta!r}: the coefficients of the fold at Omega_{p}/{q} leave the "
+            "range of double precision; give a beta closer to 1"
+        )
+    return result
 
 
-def _coefficient(pair: tuple[Array, Array]) -> Coefficient:
-    return Coefficient(float(pair[0][0]), float(pair[1][0]))
+def string_forcing(p: int, q: int) -> float:
+    """F⁰, the coefficient F of the rope without bending at Ω = pπ/q: eq. (linresponse1) and beyond.
+
+    Harmonic q first appears at order q, there times cot qΩ ≈ 1/(qμ): any two values of the
+    cotangent give its factor.
+
+    >>> string_forcing(1, 1) / -(math.pi / 2), round(string_forcing(1, 2) / -(math.pi**3 / 64), 14)
+    (1.0, 1.0)
+    """
+    if q == 1:
+        return (-1) ** p * p * math.pi / 2
+    omega = p * math.pi / q
+
+    def harmonic(at_pole: float) -> float:
+        def cot(j: int) -> float:
+            return at_pole if j == q else 1 / math.tan(j * omega)
+
+        return float(2 * expand(string(FloatRing(), omega, cot), q).contact(q).get(q, 0.0))
+
+    return (harmonic(1.0) - harmonic(0.0)) / math.sin(omega) ** q
 
 
 def check_fraction(p: Any, q: Any) -> tuple[int, int]:
-    """p and q as positive coprime integers.
+    """p and q as positive coprime integers, q at most :data:`LARGEST_Q`.
 
     >>> check_fraction(2, 4)
     Traceback (most recent call last):
@@ -266,35 +433,9 @@ def check_fraction(p: Any, q: Any) -> tuple[int, int]:
         raise InputError(
             f"p/q = {p}/{q} is not in lowest terms: ask for {p // common}/{q // common}"
         )
+    if q > LARGEST_Q:
+        raise InputError(
+            f"q = {q}: the fold needs the expansion of order q + 4, whose cost grows like q⁶, and "
+            f"is of no use there, F being below 10^(-q/2); give q <= {LARGEST_Q}"
+        )
     return p, q
-
-
-def amplitude_equation(
-    p: int, q: int, beta: Array, driven_end: str = "pinned"
-) -> tuple[Array, Pair, Pair, Pair | None]:
-    """Ω_p/q, F, α and γ for many β at once, shape (n,); the last three with error estimates.
-
-    Raises what :func:`fold` raises.
-
-    Examples
-    --------
-    >>> F = amplitude_equation(1, 2, np.array([1e-2, 1e-6]))[1][0]
-    >>> F.round(4)                                  # → −π³/64 = −0.4845 as β → 0
-    array([-0.5566, -0.4845])
-    """
-    shape = static_beam(beta, driven_end)
-    first = beam_laurent(shape, p, 1, 3)
-    residue, residue_error = first(1, 1)
-    quartic, quartic_error = first(3, 4)
-    alpha = quartic / residue**3
-    error = abs(alpha) * (abs(quartic_error / quartic) + 3 * abs(residue_error / residue))
-    resonance = linear_frequencies(beta, p, driven_end)[:, -1] / q
-    if q == 1:
-        return resonance, (residue, residue_error), (alpha, error), None
-    near = beam_laurent(shape, p, q, q + 2)
-    residue, residue_error = near(q, 1)
-    double, double_error = near(q + 2, 2)
-    # The ratio of ξ_{q+2,q} ∼ γF/(qμ)² and ξ_{q,q} ∼ F/(qμ).
-    gamma = q * double / residue
-    gamma_error = abs(gamma) * abs(residue_error / residue) + abs(q * double_error / residue)
-    return resonance, (q * residue, q * residue_error), (alpha, error), (gamma, gamma_error)

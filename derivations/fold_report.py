@@ -1,43 +1,47 @@
-"""``ropewave fold P/Q --beta B``: text, LaTeX table and figure of the folds."""
+"""``ropewave fold P/Q --beta B``: text, LaTeX tables and figure of the folds."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from asymptotics.beam import check_beam
 from asymptotics.errors import InputError
 from asymptotics.folds import (
     Coefficient,
     Fold,
+    Kind,
     amplitude_equation,
-    check_fraction,
     fold_coefficient,
 )
 from derivations import plots
 
-# The figure's window around the crossover: decades below it, and the factor above.
+# Decades of |μ| below the end of the law's range that the figure shows.
 _DECADES = 2.5
-_BEYOND = 10.0
-_STIFFNESSES = np.logspace(-6, 0, 121)
+_STIFFNESSES = np.logspace(-6, 0, 31)
+# Folds side by side in one LaTeX table: what a column of a two-column page takes.
+_ABREAST = 2
+_STYLES = {
+    (Kind.END, "below"): "-",
+    (Kind.END, "above"): "--",
+    (Kind.BIRTH, "below"): "-.",
+    (Kind.BIRTH, "above"): ":",
+}
 
 
 def fold_text(result: Fold) -> str:
-    """A few lines for a terminal: the amplitude equation, its fold and how far the law reaches.
+    """Lines for a terminal: the amplitude equation, its fold, what follows and how far it holds.
 
     >>> from asymptotics.folds import fold
     >>> print(fold_text(fold(1, 1, 0.01)).splitlines()[0])
     Omega_1/1 = 3.25000130 (pinned driven end, beta = 0.01)
     """
     q, name = result.q, f"Omega_{result.p}/{result.q}"
-    shift = "" if result.gamma is None else " - gamma eps^2"
-    left = f"({q if q > 1 else ''}mu{shift})" if shift else "mu"
+    left = "mu" if q == 1 else f"({q}mu - gamma eps^2)"
     drive = "F eps" if q == 1 else f"F eps^{q}"
-    centred = "mu" if q <= 2 else f"mu - gamma eps^2/{q}"
     lines = [
         f"{name} = {result.resonance:.8f} ({result.driven_end} driven end, beta = {result.beta:g})",
         f"amplitude equation  {left} a = {drive} + alpha a^3,  mu = Omega - {name}",
@@ -47,24 +51,39 @@ def fold_text(result: Fold) -> str:
     if result.gamma is not None:
         lines.append(f"  gamma = {_number(result.gamma)}")
     lines += [
-        f"fold  eps = {_number(result.coefficient)} |{centred}|^({result.exponent}), "
-        f"{result.side} the {'' if q <= 2 else 'shifted '}resonance",
-        *_own_law(result),
-        f"string  eps = {float(result.string_epsilon(1.0)):.6g} |mu|^({Fraction(2, q)}); "
-        f"the two meet at |mu| = {result.crossover:.3g}",
+        f"fold  {result.kind.value}",
+        *(f"  {line}" for line in [*_laws(result), *result.meaning]),
+        *_range(result),
+        f"string  at beta = 0: eps = {float(result.string_epsilon(1.0)):.6g} "
+        f"|mu|^({Fraction(2, q)}), the law of another rope",
     ]
     return "\n".join(lines) + "\n"
 
 
-def _own_law(result: Fold) -> list[str]:
-    """What becomes of the law in μ itself when the shift is not small."""
-    if result.q <= 2:
-        return []
+def _laws(result: Fold) -> list[str]:
+    """The law in the detuning from the shifted centre, and in μ itself."""
+    q, power = result.q, f"^({result.exponent})"
+    C = _number(result.coefficient)
+    if q == 1:
+        return [f"eps = {C} |mu|{power}, {result.side} Omega_{result.p}/{q}"]
+    shifted = f"eps = {C} |mu - gamma eps^2/{q}|{power}, {result.side} the shifted resonance"
     own = result.coefficient_in_detuning
     if own is None:
-        return ["  (no power law in mu itself: the shift gamma eps^2 is the larger part of it)"]
-    side = "above" if own > 0 else "below"
-    return [f"  in mu itself eps = {abs(own):.6g} |mu|^({result.exponent}), {side} Omega_p/q"]
+        terms = " + ".join(f"{c:.6g} eps^({m})" for c, m in result.powers).replace("+ -", "- ")
+        return [shifted, f"that is mu = {terms}"]
+    line = f"in mu itself eps = {abs(own):.6g} |mu|{power}, {result.mu_side} Omega_{result.p}/{q}"
+    return [shifted, line]
+
+
+def _range(result: Fold) -> list[str]:
+    reach = result.range
+    if reach is None:
+        return ["range  none", f"  {result.reason}"]
+    return [
+        f"range  |mu| <= {reach.mu:.3g}, eps <= {reach.epsilon:.3g}: "
+        f"eps is off by about {reach.slope:.2g} |mu|, {reach.error:.1%} at the end",
+        f"  {result.reason}",
+    ]
 
 
 def _number(coefficient: Coefficient) -> str:
@@ -72,7 +91,7 @@ def _number(coefficient: Coefficient) -> str:
 
 
 def fold_table(results: Sequence[Fold]) -> str:
-    r"""A LaTeX table of several folds, of any p, q, β and driven end.
+    r"""LaTeX tables of several folds, of any p, q, β and driven end; two folds abreast.
 
     Raises
     ------
@@ -85,46 +104,65 @@ def fold_table(results: Sequence[Fold]) -> str:
     >>> print(fold_table([fold(1, 1, 0.01)]))  # doctest: +ELLIPSIS
     % Folds: (q mu - gamma eps^2) a = F eps^q + alpha a^3, mu = Omega - Omega_p/q.
     ...
-    1/1 & 0.01 & pinned & 3.250001 & $-1.73159$ & $-3.89146$ & -- & 3/2 & 0.11268 & below \\
+    $F$ & $-1.73159$ \\
+    $\alpha$ & $-3.89146$ \\
+    ...
     \end{tabular}
     <BLANKLINE>
     """
     if not results:
         raise InputError("no folds to tabulate; give at least one")
-    rows = [
-        " & ".join(
-            [
-                f"{r.p}/{r.q}",
-                f"{r.beta:g}",
-                r.driven_end,
-                f"{r.resonance:.6f}",
-                f"${r.F.value:.6g}$",
-                f"${r.alpha.value:.6g}$",
-                "--" if r.gamma is None else f"${r.gamma.value:.6g}$",
-                str(r.exponent),
-                f"{r.coefficient.value:.6g}",
-                r.side,
-            ]
-        )
-        + r" \\"
-        for r in results
+    tables = [
+        _abreast(results[first : first + _ABREAST]) for first in range(0, len(results), _ABREAST)
     ]
     head = [
         "% Folds: (q mu - gamma eps^2) a = F eps^q + alpha a^3, mu = Omega - Omega_p/q.",
-        "% eps = C |mu - gamma eps^2/q|^(3/(2q)) on the given side. Generated by ropewave.",
-        r"\begin{tabular}{lllrrrrlrl}",
-        r"$p/q$ & $\beta$ & driven end & $\Omega_{p}/q$ & $F$ & $\alpha$ & $\gamma$ & "
-        r"exponent & $C_{p,q}$ & side \\",
-        r"\hline",
+        "% eps = C |mu - gamma eps^2/q|^(3/(2q)) on the given side of the shifted resonance.",
+        "% The last rows: where that holds, and how far it is off there. Generated by ropewave.",
     ]
-    return "\n".join([*head, *rows, r"\end{tabular}"]) + "\n"
+    return "\n".join([*head, "\n\n".join(tables)]) + "\n"
+
+
+def _abreast(results: Sequence[Fold]) -> str:
+    """One tabular: a row a quantity, a column a fold."""
+    rows: dict[str, Callable[[Fold], str]] = {
+        "$p/q$": lambda r: f"{r.p}/{r.q}",
+        r"$\beta$": lambda r: _tex(r.beta),
+        "driven end": lambda r: r.driven_end,
+        r"$\Omega_p/q$": lambda r: f"{r.resonance:.6f}",
+        "$F$": lambda r: _tex(r.F.value),
+        r"$\alpha$": lambda r: _tex(r.alpha.value),
+        r"$\gamma$": lambda r: "--" if r.gamma is None else _tex(r.gamma.value),
+        "exponent": lambda r: str(r.exponent),
+        "$C_{p,q}$": lambda r: _tex(r.coefficient.value),
+        "side": lambda r: r.side,
+        "from rest": lambda r: "ends" if r.kind is Kind.END else "passes",
+        "at the fold": lambda r: "end of state" if r.kind is Kind.END else "birth of a pair",
+        r"$|\mu|\le$": lambda r: "--" if r.range is None else _tex(r.range.mu, 3),
+        r"$\epsilon\le$": lambda r: "--" if r.range is None else _tex(r.range.epsilon, 3),
+        r"error of $\epsilon$": lambda r: "--" if r.range is None else _tex(r.range.error, 2),
+    }
+    lines = [rf"\begin{{tabular}}{{l{'r' * len(results)}}}"]
+    lines += [" & ".join([name, *map(cell, results)]) + r" \\" for name, cell in rows.items()]
+    return "\n".join([*lines, r"\end{tabular}"])
+
+
+def _tex(value: float, digits: int = 6) -> str:
+    """A number in mathematics, powers of ten written out.
+
+    >>> _tex(-1.5e-7), _tex(0.01)
+    ('$-1.5\\\\times10^{-7}$', '$0.01$')
+    """
+    mantissa, _, power = f"{value:.{digits}g}".partition("e")
+    return f"${mantissa}$" if not power else rf"${mantissa}\times10^{{{int(power)}}}$"
 
 
 def plot_fold(result: Fold, path: Path) -> None:
-    """The fold against the string's law, and its coefficient against β.
+    """The fold as far as its law holds, and its coefficient against β.
 
-    Left, on the fold's own side: its law in the detuning from the shifted centre and the string's,
-    with their exponents and the crossover. Right: C_{p,q}(β) and its limit ∝ β^{1/(2q)}.
+    Left, on the fold's own side of Ω_p/q: the law over its range, where it stops, and the law of
+    the string, which is another rope. Right: C_{p,q}(β), with what the fold is, and its limit
+    ∝ β^{1/(2q)}.
 
     Raises
     ------
@@ -136,9 +174,9 @@ def plot_fold(result: Fold, path: Path) -> None:
     from matplotlib.figure import Figure
 
     with rc_context(plots.figure_style()):
-        figure = Figure(figsize=(7.0, 3.0), layout="constrained")
+        figure = Figure(figsize=(7.0, 3.2), layout="constrained")
         left, right = figure.subplots(1, 2)
-        _draw_laws(left, result)
+        _draw_law(left, result)
         _draw_coefficient(right, result)
         for axes in (left, right):
             axes.title.set_fontsize(9)
@@ -146,49 +184,50 @@ def plot_fold(result: Fold, path: Path) -> None:
     plots.save_figure(figure, path)
 
 
-def _draw_laws(axes: Any, result: Fold) -> None:
-    q, x = result.q, result.crossover
-    size = np.geomspace(x * 10**-_DECADES, x * _BEYOND, 200)
-    bent = result.coefficient.value * size ** float(result.exponent)
-    string = np.asarray(result.string_epsilon(size))
-    axes.loglog(size, bent, color="black", label=rf"fold, exponent ${result.exponent}$")
-    axes.loglog(size, string, color="0.45", ls="--", label=rf"string, exponent ${Fraction(2, q)}$")
-    meeting = float(result.string_epsilon(x))
-    axes.plot(x, meeting, "o", color="black", ms=4)
-    axes.annotate(
-        f"meet at {x:.2g}",
-        (x, meeting),
-        xytext=(7, -10),
-        textcoords="offset points",
-        ha="left",
-        fontsize=8,
-    )
-    centred = r"|\mu|" if q <= 2 else rf"|\mu-\gamma\epsilon^2/{q}|"
+def _draw_law(axes: Any, result: Fold) -> None:
+    q, reach = result.q, result.range
     axes.set(
-        xlabel=rf"detuning ${centred}$ ({result.side})",
+        xlabel=rf"detuning $|\mu|$, {result.mu_side} $\Omega_{{{result.p}}}/{q}$",
         ylabel=r"amplitude $\epsilon$",
         title=rf"$\Omega_{{{result.p}}}/{q}={result.resonance:.5g}$, $\beta={result.beta:g}$, "
-        f"{result.driven_end}",
+        f"{result.driven_end}\n{result.kind.value}",
     )
+    end = result.resonance / 4 if reach is None else reach.mu
+    size = np.geomspace(end * 10**-_DECADES, end, 200)
+    if reach is None:
+        axes.plot([], [], color="black", label="fold: its law has no range")
+    else:
+        law = result.epsilon(result.mu_sign * size)
+        axes.plot(size, law, color="black", label=rf"fold, exponent ${result.exponent}$")
+        axes.plot(reach.mu, reach.epsilon, "|", color="black", ms=9)
+        axes.annotate(
+            f"law ends: {reach.error:.0%} off",
+            (reach.mu, reach.epsilon),
+            xytext=(-6, 2),
+            textcoords="offset points",
+            ha="right",
+            fontsize=8,
+        )
+    string = np.asarray(result.string_epsilon(size))
+    label = rf"string, $\beta=0$, exponent ${Fraction(2, q)}$"
+    axes.plot(size, string, color="0.45", ls="--", label=label)
+    axes.set(xscale="log", yscale="log")
+    axes.margins(y=0.1)
 
 
 def _draw_coefficient(axes: Any, result: Fold) -> None:
     p, q = result.p, result.q
-    values, sides = coefficient_curve(p, q, _STIFFNESSES, result.driven_end)
-    for sign, style, side in ((-1, "-", "below"), (1, ":", "above")):
-        shown = np.where(sides == sign, values, np.nan)
-        if np.any(sides == sign):
-            axes.loglog(_STIFFNESSES, shown, style, color="black", label=f"fold {side}")
+    folds = coefficient_curve(p, q, _STIFFNESSES, result.driven_end)
+    for (kind, side), style in _STYLES.items():
+        shown = [
+            f.coefficient.value if (f.kind, f.mu_side) == (kind, side) else np.nan for f in folds
+        ]
+        if not np.all(np.isnan(shown)):
+            what = "ends the branch" if kind is Kind.END else "birth of a pair"
+            axes.loglog(_STIFFNESSES, shown, style, color="black", label=f"{what}, {side}")
     limit = fold_coefficient(q, result.string_F, 1 / (12 * p * np.pi * _STIFFNESSES))
-    exponent = f"1/{2 * q}"
-    axes.loglog(
-        _STIFFNESSES,
-        limit,
-        color="0.45",
-        ls="--",
-        lw=1.0,
-        label=rf"limit $\propto\beta^{{{exponent}}}$",
-    )
+    label = rf"limit $\propto\beta^{{1/{2 * q}}}$"
+    axes.loglog(_STIFFNESSES, limit, color="0.45", ls="--", lw=1.0, label=label)
     axes.plot(result.beta, result.coefficient.value, "o", color="black", ms=4)
     axes.set(
         xlabel=r"bending stiffness $\beta$",
@@ -199,19 +238,14 @@ def _draw_coefficient(axes: Any, result: Fold) -> None:
 
 def coefficient_curve(
     p: int, q: int, beta: Iterable[float], driven_end: str = "pinned"
-) -> tuple[Any, Any]:
-    """C_{p,q} and the sign of α (the fold's side) at each β, in one pass over all of them.
+) -> list[Fold]:
+    """The fold at each β, without the range of its law.
 
     Raises what :func:`asymptotics.folds.fold` raises.
 
     Examples
     --------
-    >>> values, sides = coefficient_curve(1, 1, [1e-4, 1e-2])
-    >>> values.round(5), sides
-    (array([0.01487, 0.11268]), array([-1., -1.]))
+    >>> [round(f.coefficient.value, 5) for f in coefficient_curve(1, 1, [1e-4, 1e-2])]
+    [0.01487, 0.11268]
     """
-    p, q = check_fraction(p, q)
-    stiffness = np.asarray(list(beta), dtype=float)
-    check_beam(stiffness, driven_end)
-    _, (F, _), (alpha, _), _ = amplitude_equation(p, q, stiffness, driven_end)
-    return fold_coefficient(q, F, alpha), np.sign(alpha)
+    return [amplitude_equation(p, q, value, driven_end) for value in beta]

@@ -72,7 +72,7 @@ def fold(
     latex: LatexOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The fold near Ω_p(β)/q where bending ends the wave-less state."""
+    """The fold near Ω_p(β)/q of the rope that bends: what it ends, and how far its law holds."""
     from asymptotics.folds import fold as compute
     from asymptotics.tongues import parse_fraction
     from derivations import fold_report as report

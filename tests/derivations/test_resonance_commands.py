@@ -45,6 +45,23 @@ def test_fold(capsys: pytest.CaptureFixture[str]) -> None:
     assert (found["exponent"], found["side"]) == ("3/4", "below")
     assert found["coefficient"] == pytest.approx(0.995778, abs=5e-7)
     assert found["resonance"] == pytest.approx(1.62500065, abs=5e-9)
+    assert found["kind"] == "end"
+    assert 0.01 < found["range"]["mu"] < 0.05
+
+
+def test_fold_at_the_edge_of_doubles(capsys: pytest.CaptureFixture[str]) -> None:
+    """JSON has no NaN, whatever β; the law has a limit as β → ∞."""
+
+    def refuse(constant: str) -> float:
+        raise AssertionError(constant)
+
+    assert run("fold", "1/1", "--beta", "1e308", "--json") == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    found = json.loads(captured.out, parse_constant=refuse)
+    assert found["coefficient"] == pytest.approx(0.115844, abs=1e-6)
+    assert run("fold", "1/3", "--beta", "1e-12", "--json") == 0
+    json.loads(capsys.readouterr().out, parse_constant=refuse)
 
 
 @pytest.mark.parametrize(
@@ -85,6 +102,8 @@ def test_text_table_and_figure(
         (["tongue", "1/1", "--plot", "x.bmp"], "ends in .pdf, .png, .svg"),
         (["fold", "1/1", "--beta", "0"], "beta = 0"),
         (["fold", "1/0"], "q = 0"),
+        (["fold", "1/50"], "q = 50: the fold needs the expansion of order q + 4"),
+        (["fold", "1/1", "--beta", "5e-324"], "leave the range of double precision"),
         (["fold", "1/1", "--driven-end", "loose"], "loose"),
     ],
 )
