@@ -11,7 +11,9 @@ window closes as β → 0. *From below:* what ends at a fold is a state, not at 
 waves. The slow motion runs around a loop that starts at the double root a_f = |qμ/3α|^{1/2} and
 reaches 3a_f. Only if that is large enough is a wave shed; otherwise the rope goes on, wave-less,
 around the large root. The largest amplitude of the contact point that goes without a wave is a
-measured number, :data:`LARGEST_AMPLITUDE`. It serves the window alone, never the law.
+measured number, :data:`LARGEST_AMPLITUDE`. It serves the window alone, never the law. Within the
+window the premises are met at all; how good the law is there says its own error estimate,
+:meth:`asymptotics.folds.Fold.error`, which reaches 10 % early in it.
 
 The truncated tongue lies beyond the radius of convergence of the series it truncates, which is the
 pendulum's law, wherever C |μ|^r exceeds it: for all |μ| up to :func:`first_convergent`, a number
@@ -31,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asymptotics.beam_spectrum import linear_frequencies
-from asymptotics.folds import fold
+from asymptotics.folds import Fold, Kind, amplitude_equation
 from asymptotics.tongues import limit_law, tongue
 from derivations.figure2 import BETAS, centres
 
@@ -69,7 +71,7 @@ class Family(Enum):
 
 @dataclass(frozen=True)
 class Law:
-    """ε = coefficient · |Ω − centre|^exponent.
+    """ε = coefficient · |Ω − centre|^exponent; a fold's with the shift of its centre.
 
     Attributes
     ----------
@@ -84,6 +86,8 @@ class Law:
     window
         |μ| between which its derivation holds; (inf, 0) if nowhere, (0, inf) if unlimited or, for
         a fit, not stated.
+    bent
+        The amplitude equation behind a fold. For q = 2 its shift is part of the law.
     """
 
     family: Family
@@ -94,6 +98,7 @@ class Law:
     exponent: Fraction
     sides: tuple[int, ...]
     window: tuple[float, float]
+    bent: Fold | None = None
 
     def epsilon(self, omega: ArrayLike) -> Array:
         """ε at Ω; nan on a side where the law does not stand.
@@ -103,6 +108,8 @@ class Law:
         ('1/1', 0.005)
         """
         mu = np.asarray(omega, dtype=float) - self.centre
+        if self.bent is not None:
+            return self.bent.epsilon(mu)
         size = self.coefficient * np.abs(mu) ** float(self.exponent)
         return np.where(np.isin(np.sign(mu), (0, *self.sides)), size, math.nan)
 
@@ -114,8 +121,14 @@ class Law:
         '$0.309\\\\,|\\\\mu|^{5/3}$'
         """
         power = str(self.exponent)
-        size = r"|\mu|" if power == "1" else rf"|\mu|^{{{power}}}"
+        size = r"|\mu|" if not self.shifted else r"|\mu-\gamma\epsilon^2/2|"
+        size += "" if power == "1" else rf"^{{{power}}}"
         return rf"${self.coefficient:.3g}\,{size}$"
+
+    @property
+    def shifted(self) -> bool:
+        """Whether the law is one in the distance from a shifted centre."""
+        return self.bent is not None and self.bent.gamma is not None
 
 
 @cache
@@ -168,7 +181,9 @@ def fold_window(resonance: str, beta: float) -> tuple[float, float]:
     [0.052, 0.339]
     """
     p, q = (int(part) for part in resonance.split("/"))
-    result = fold(p, q, beta)
+    result = amplitude_equation(p, q, beta)
+    if result.kind is not Kind.END:
+        return (math.inf, 0.0)
     amplitude = LARGEST_AMPLITUDE * centres(0.01)["1/1"] / (q * result.resonance)
     # 3a_f = the largest amplitude, with a_f² = qμ/(3α).
     low = abs(result.alpha.value) * amplitude**2 / (3 * q)
@@ -178,7 +193,7 @@ def fold_window(resonance: str, beta: float) -> tuple[float, float]:
 
 def _fold(resonance: str, beta: float) -> Law:
     p, q = (int(part) for part in resonance.split("/"))
-    found = fold(p, q, beta)
+    found = amplitude_equation(p, q, beta)
     return Law(
         Family.FOLD,
         resonance,
@@ -186,8 +201,9 @@ def _fold(resonance: str, beta: float) -> Law:
         found.resonance,
         found.coefficient.value,
         found.exponent,
-        (found.sign,),
+        (found.mu_sign,),
         fold_window(resonance, beta),
+        found,
     )
 
 

@@ -170,7 +170,8 @@ def _ratios(points: Sequence[Point], some: Iterable[Law]) -> str:
         law, order = found.law, zip(found.mu, found.ratio, found.inside, strict=True)
         cell = ", ".join(f"{mu:.3g}: {ratio:.2f}{'*' * bool(on)}" for mu, ratio, on in order)
         place = f"{_greek(found.curve)}, {_SIDES[found.side]} {law.centre:.4f}"
-        rows.append((f"{law.coefficient:.4g} |μ|^{law.exponent}", place, cell))
+        distance = "|μ − γε²/2|" if law.shifted else "|μ|"
+        rows.append((f"{law.coefficient:.4g} {distance}^{law.exponent}", place, cell))
     return _table(("law", "curve", "computed over law at |μ|"), rows)
 
 

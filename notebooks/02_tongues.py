@@ -112,7 +112,8 @@ for distance in (-0.35, -0.25, -0.15):
 # With bending stiffness $\beta = B/(Tx_0^2) > 0$ the resonances move to the spectrum of a beam, and
 # the wave-less state ends differently: next to the *true* resonance $\Omega_p(\beta)/q$ two small
 # solutions of the amplitude equation $(q\mu - \gamma\epsilon^2)a = F\epsilon^q + \alpha a^3$
-# meet in a fold. Its exponent is $3/(2q)$, on one side only.
+# meet in a fold. Its exponent is $3/(2q)$, on one side only. The law is a first term; how far it
+# holds tells the reduced equation of higher order.
 
 # %%
 from asymptotics.folds import fold
@@ -121,24 +122,35 @@ for beta in (1e-1, 1e-2, 1e-3, 1e-4):
     result = fold(1, 1, beta)
     print(
         f"beta = {beta:g}: Omega_1 = {result.resonance:.6f}, alpha = {result.alpha.value:.5g}, "
-        f"epsilon_fold = {result.coefficient.value:.5f} |mu|^({result.exponent}), {result.side}"
+        f"epsilon_fold = {result.coefficient.value:.5f} |mu|^({result.exponent}), {result.side}, "
+        f"to 10 % for |mu| <= {result.range.mu:.2g}"
     )
 
 # %% [markdown]
-# As $\beta \to 0$ the coefficient $\alpha$ diverges and the window in which the fold's law holds
-# shrinks to nothing; beyond it the pendulum takes over. At the paper's $\beta = 0.01$ a measured
-# exponent between $3/2$ and $2$ — such as $5/3$ — is the crossover between the two.
+# As $\beta \to 0$ the coefficient $\alpha$ diverges and the range in which the fold's law holds
+# shrinks to nothing. The laws of the string, $\beta = 0$, are laws of another rope: they do not
+# take over at its end, and the truncated one has no range for the string either.
 
 # %%
 result = fold(1, 1, 0.01)
-mu = np.geomspace(1e-3, 0.6, 200)
+mu = np.geomspace(1e-3, 0.3, 200)
+near = np.geomspace(1e-3, result.range.mu, 200)
 figure, axes = plt.subplots(figsize=(5.6, 3.6), layout="constrained")
-axes.loglog(mu, result.coefficient.value * mu**1.5, color="#0072B2", label=r"fold, $|\mu|^{3/2}$")
+axes.loglog(near, result.epsilon(-near), color="#0072B2", label=r"fold, $|\mu|^{3/2}$, its range")
 axes.loglog(mu, mu**2 / 8, "k--", label=r"string, $\mu^2/8$")
 axes.loglog(
     mu, tongue(1, 1, 3).sides["-"].coefficient * mu ** (5 / 3), color="#D55E00", ls="-.",
     label=r"truncated at order 3, $|\mu|^{5/3}$",
 )  # fmt: skip
-axes.axvline(result.crossover, color="0.7", lw=0.8)
 axes.set(xlabel=r"distance from the resonance $|\mu|$", ylabel=r"$\epsilon$")
 axes.legend(frameon=False, title=r"$\beta = 0.01$, $p/q = 1/1$")
+
+# %% [markdown]
+# Not every fold ends something. At $\beta = 0.01$ above $\Omega_1/3$ the shift $\gamma\epsilon^2$
+# outweighs the cubic term: raised from rest the state passes through, and a pair of other states is
+# born beside it. It is by sweeping the frequency that such a fold is met.
+
+# %%
+for p, q in ((1, 2), (1, 3), (2, 3), (1, 4)):
+    result = fold(p, q, 0.01)
+    print(f"{p}/{q}: {result.kind.value}, {result.mu_side} Omega_{p}/{q}")

@@ -98,6 +98,17 @@ def test_a_law_is_nothing_on_the_other_side() -> None:
     assert math.isnan(above)
 
 
+def test_the_fold_of_a_half_has_its_shift() -> None:
+    """2μ = γε² + κε^{4/3}, with the coefficients at β = 0.01; C |μ|^{3/4} alone is lower."""
+    fold = laws(Family.FOLD, 0.01)[0]
+    epsilon = float(fold.epsilon(fold.centre - 0.1))
+    kappa = -((27 * 3.89146 * 0.556560**2 / 4) ** (1 / 3))
+    assert 0.891259 * epsilon**2 + kappa * epsilon ** (4 / 3) == pytest.approx(-0.2, rel=1e-5)
+    assert epsilon > 1.05 * fold.coefficient * 0.1**0.75
+    assert r"\gamma\epsilon^2/2" in fold.text
+    assert r"\gamma" not in laws(Family.FOLD, 0.01)[1].text
+
+
 def test_truncated_tongues_lie_beyond_the_radius_of_convergence() -> None:
     for name, truncated, pendulum in zip(
         RESONANCES, laws(Family.TRUNCATED), laws(Family.PENDULUM), strict=True
