@@ -165,7 +165,7 @@ def test_the_range_ends_half_way_to_a_pole(monkeypatch: pytest.MonkeyPatch) -> N
     assert found is not None
     assert found.pole == (4, 6)
     assert found.mu == pytest.approx((spectrum[0] - spectrum[3] / 6) / 2, rel=1e-12)
-    assert "harmonic 6 resonates, at Omega_4/6" in found.reason
+    assert "half way to Omega_4/6, where harmonic 6 resonates" in found.reason
 
 
 def test_no_range(monkeypatch: pytest.MonkeyPatch) -> None:
