@@ -27,6 +27,7 @@ from flint import arb, arb_poly, fmpq
 
 from asymptotics.cotangent import CotangentElement, resonance_polynomial
 from asymptotics.expansion import Expansion
+from asymptotics.precision import at_precision
 
 WIDEST = 1e-30
 """No residual's radius is larger, over the sum of its terms' magnitudes."""

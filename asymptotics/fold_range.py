@@ -32,8 +32,11 @@ from asymptotics.reduced_equation import Array, Resonance
 ACCURACY = 0.1
 """The relative error in ε at which a law's range ends."""
 
+LEAST = 1e-40
+"""|μ| over Ω_p/q at which the search for a range gives up."""
+
 # Of the search: downwards in steps of four, up again in steps of √2.
-_DOWN, _UP, _CLIMBS, _RUNGS, _LEAST = 4.0, math.sqrt(2), 4, 4, 1e-40
+_DOWN, _UP, _CLIMBS, _RUNGS = 4.0, math.sqrt(2), 4, 4
 # Where e is linear in μ, for its steepest slope if it flattens.
 _FARTHER = 64
 # Rounding of the spectrum, a few units in 2e-16, is a thousandth of this.
@@ -96,7 +99,7 @@ class Range:
         """Why it ends there."""
         if self.pole is not None:
             n, j = self.pole
-            return f"half way from there harmonic {j} resonates, at Omega_{n}/{j}"
+            return f"it ends half way to Omega_{n}/{j}, where harmonic {j} resonates"
         if self.lost:
             return f"beyond, the reduced equation of order {self.order} has no such fold"
         return f"beyond, terms through order {self.order} move the fold by more than {ACCURACY:.0%}"
@@ -173,7 +176,7 @@ def next_pole(law: Law) -> tuple[float, tuple[int, int] | None]:
 def _ladder(law: Law, size: float) -> list[tuple[float, float]]:
     """(|μ|, e) of the first detunings in a row, each half the one before, with e ≤ ACCURACY."""
     found: list[tuple[float, float]] = []
-    smallest = _LEAST * size
+    smallest = LEAST * law.resonant.value
     while len(found) < _RUNGS:
         error = law_error(law, size)
         if error <= ACCURACY:

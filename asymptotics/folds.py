@@ -62,7 +62,7 @@ from asymptotics.beam import check_beam
 from asymptotics.checks import finite_number
 from asymptotics.errors import InputError
 from asymptotics.expansion import expand
-from asymptotics.fold_range import Range, fold_range
+from asymptotics.fold_range import LEAST, Range, fold_range
 from asymptotics.problem import string
 from asymptotics.reduced_equation import Array, Resonance
 from asymptotics.rings import FloatRing
@@ -71,7 +71,7 @@ _EPS = float(np.finfo(float).eps)
 _BISECTIONS = 60  # of an interval of order one, to rounding
 _SIDES = {-1: "below", 1: "above"}
 
-LARGEST_Q = 10
+LARGEST_P, LARGEST_Q = 1000, 8
 """The reduced equation of order q + 4 takes time ∝ q⁶, and F falls faster than 10^{−q/2}."""
 
 
@@ -315,7 +315,7 @@ class Fold:
     def reason(self) -> str:
         """Why the range is what it is."""
         if self.range is None:
-            return "no detuning was found at which the law holds: its next terms are too large"
+            return f"the law was found to hold at no detuning down to {LEAST:g} of the resonance"
         return self.range.reason
 
 
@@ -335,7 +335,7 @@ def fold(p: int, q: int, beta: float, driven_end: str = "pinned") -> Fold:
     Parameters
     ----------
     p, q
-        Positive and without a common factor; q ≤ :data:`LARGEST_Q`.
+        Positive and without a common factor; p ≤ 1000, q ≤ 8.
     beta
         β = B/(T x₀²) > 0.
     driven_end
@@ -344,9 +344,9 @@ def fold(p: int, q: int, beta: float, driven_end: str = "pinned") -> Fold:
     Raises
     ------
     InputError
-        p/q is not a reduced fraction of positive integers or q is too large, β is not positive and
-        finite or so small or large that the law leaves double precision, the driven end is unknown,
-        or another resonance is too close for the coefficients to be told apart.
+        p/q is not a reduced fraction of positive integers or one is too large, β is not positive
+        and finite or so small or large that the law leaves double precision, the driven end is
+        unknown, or another resonance is too close for the coefficients to be told apart.
 
     Examples
     --------
@@ -417,7 +417,7 @@ def string_forcing(p: int, q: int) -> float:
 
 
 def check_fraction(p: Any, q: Any) -> tuple[int, int]:
-    """p and q as positive coprime integers, q at most :data:`LARGEST_Q`.
+    """p and q as positive coprime integers, at most :data:`LARGEST_P` and :data:`LARGEST_Q`.
 
     >>> check_fraction(2, 4)
     Traceback (most recent call last):
@@ -433,6 +433,8 @@ def check_fraction(p: Any, q: Any) -> tuple[int, int]:
         raise InputError(
             f"p/q = {p}/{q} is not in lowest terms: ask for {p // common}/{q // common}"
         )
+    if p > LARGEST_P:
+        raise InputError(f"p = {p}: no rope has the frequency Omega_{p}; give p <= {LARGEST_P}")
     if q > LARGEST_Q:
         raise InputError(
             f"q = {q}: the fold needs the expansion of order q + 4, whose cost grows like q⁶, and "

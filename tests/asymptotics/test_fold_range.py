@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from asymptotics import expand, fold_range
-from asymptotics.balls import at_precision
 from asymptotics.beam import beam, static_beam
 from asymptotics.beam_numbers import balls
 from asymptotics.beam_spectrum import linear_frequencies
 from asymptotics.fold_range import ACCURACY, Range, double_root, law_error, next_pole
 from asymptotics.folds import Kind, amplitude_equation, fold
+from asymptotics.precision import at_precision
 from asymptotics.reduced_equation import Resonance, reduced_equation
 from asymptotics.static_shape import DRIVEN_ENDS
 
@@ -165,7 +165,7 @@ def test_the_range_ends_half_way_to_a_pole(monkeypatch: pytest.MonkeyPatch) -> N
     assert found is not None
     assert found.pole == (4, 6)
     assert found.mu == pytest.approx((spectrum[0] - spectrum[3] / 6) / 2, rel=1e-12)
-    assert "harmonic 6 resonates, at Omega_4/6" in found.reason
+    assert "half way to Omega_4/6, where harmonic 6 resonates" in found.reason
 
 
 def test_no_range(monkeypatch: pytest.MonkeyPatch) -> None:

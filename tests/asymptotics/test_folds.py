@@ -412,19 +412,19 @@ def test_json() -> None:
         t["coefficient"] * epsilon ** float(Fraction(t["exponent"]))
         for t in fields["mu_of_epsilon"]
     )
-    assert mu == pytest.approx(float(fold(1, 2, 0.01).detuning(epsilon)), rel=1e-14)
+    assert mu == pytest.approx(float(amplitude_equation(1, 2, 0.01).detuning(epsilon)), rel=1e-14)
     assert 0 < fields["errors"]["coefficient"] < 1e-14
     assert fields["kind"] == "end"
     assert 0.02 < fields["range"]["mu"] < 0.05
     assert 0.02 < fields["range"]["error"] <= 0.1
     assert "order 7" in fields["reason"]
-    birth = fold(1, 3, 0.01).as_json()
+    birth = amplitude_equation(1, 3, 0.01).as_json()
     assert birth["kind"] == "birth"
     assert (birth["side"], birth["side_in_mu"]) == ("below", "above")
     assert "passes through" in birth["meaning"][0]
     assert "sweeping Omega up from far below" in birth["meaning"][1]
-    assert json.loads(json.dumps(fold(1, 1, 0.01).as_json(), allow_nan=False))["gamma"] is None
-    assert fold(1, 4, 0.01).as_json()["variable"] == "mu - gamma*epsilon**2/4"
+    assert amplitude_equation(1, 1, 0.01).as_json()["gamma"] is None
+    assert amplitude_equation(1, 4, 0.01).as_json()["variable"] == "mu - gamma*epsilon**2/4"
 
 
 @pytest.mark.parametrize("beta", [1e-300, 1e-100, 1e-12, 1e5, 1e100, 1e308])
@@ -448,6 +448,7 @@ def test_absurd_stiffness_gives_numbers(beta: float) -> None:
         ((1, 1, math.nan), "beta = nan"),
         ((1, 1, 0.01, "free"), "choose one of pinned, clamped"),
         ((1, 1, 5e-324), "leave the range of double precision"),
+        ((1001, 1, 0.01), "give p <= 1000"),
         ((1, LARGEST_Q + 1, 0.01), f"give q <= {LARGEST_Q}"),
     ],
 )

@@ -12,7 +12,7 @@ import pytest
 from flint import arb
 
 from asymptotics import Expansion, exact_string, expand, float_string, moving_frame, prove, string
-from asymptotics.balls import at_precision, ball_damped_string, ball_string
+from asymptotics.balls import ball_damped_string, ball_string
 from asymptotics.beam import beam, float_beam
 from asymptotics.beam_numbers import balls, digits
 from asymptotics.beam_symbolic import expand_symbolic
@@ -22,6 +22,7 @@ from asymptotics.enclosures import WIDEST, enclosures
 from asymptotics.errors import InputError
 from asymptotics.forcing import forced_string, fourier_drive
 from asymptotics.forcing_generators import generator_string
+from asymptotics.precision import at_precision
 from asymptotics.proof import OrderProof, RefutedError, residuals
 from asymptotics.rings import FloatRing
 from asymptotics.singular import laurent_expansion
