@@ -73,9 +73,13 @@ COLUMNS = len(Column)
 def elastic_force(stiffness: Array, height: Array, size: int, force: Array) -> None:
     """KW on the first ``size`` nodes, those beyond being at W = 0."""
     k0, k1, k2 = stiffness[0], stiffness[1], stiffness[2]
-    for i in range(2, size - 2):  # without branches: the compiler vectorises it
-        left = k2[i - 2] * height[i - 2] + k1[i - 1] * height[i - 1]
-        force[i] = k0[i] * height[i] + left + (k1[i] * height[i + 1] + k2[i] * height[i + 2])
+    # Views that start where they are read, no branches: indices such as i − 2 might be negative, and
+    # the check of that keeps the compiler from vectorising.
+    middle, sides, far = k0[2:], k1[1:], k2[2:]
+    own, before, after, last, inner = height[2:], height[1:], height[3:], height[4:], force[2:]
+    for i in range(size - 4):
+        left = k2[i] * height[i] + sides[i] * before[i]
+        inner[i] = middle[i] * own[i] + left + (sides[i + 1] * after[i] + far[i] * last[i])
     for i in (0, 1, size - 2, size - 1):
         total = k0[i] * height[i]
         if i > 0:
