@@ -14,7 +14,7 @@ must agree with that:
 With β = 0 there is no point force and S₀ alone gives d. Both are of second order in dx at rest. In
 motion W is, but ξ_c carries noise: every node that is laid down or picked up is a small impact, and
 where W grows like s³ the last node is soon all noise. Measured: 0.1 dx at β = 0.01, 0.07 dx at
-β = 0; :meth:`numerics.simulation.Run.smooth_contact` averages it. Where the rope touches with a
+β = 0, up to 0.2 dx on fine grids; :meth:`numerics.simulation.Run.smooth_contact` averages it. Where the rope touches with a
 single node, at the instant of an impact, or so close to the driven end that Z enters those forces,
 ξ_c is the node itself, and P its KW if the ground must push.
 
@@ -55,7 +55,8 @@ class Column(IntEnum):
     DAMPED = 8
     """What damping has taken, since the start."""
     LOST = 9
-    """What contact has taken, since the start."""
+    """What contact has taken, since the start. Of a rope that follows: an error of the grid, see
+    :mod:`numerics.trapezoidal`."""
     UNEXPLAINED = 10
     """Change of energy in this step that none of these explains."""
     ROUNDS = 11
