@@ -142,11 +142,13 @@ def point(task: Task) -> Point:
 
 def _simulated_brackets(omega: float, beta: float, coarse: bool) -> list[dict[str, Any]]:
     from numerics.ramped_run import base_settings
-    from numerics.threshold import Change, bracket, variations
+    from numerics.threshold import bracket, variations
+    from numerics.threshold_kinds import Change
 
     settings = base_settings(beta, _spacing(beta, coarse) * math.sqrt(beta))
     base = replace(settings, ramp=RAMP, hold=HOLD)
     cases = {Change.BASE: base} if coarse else variations(base)
+    cases.pop(Change.RAMP_TWICE, None)  # the ramp of this figure is twice the usual one already
     rows: list[dict[str, Any]] = []
     for change, changed in cases.items():
         near = rows[0]["upper"] if rows else None

@@ -29,13 +29,20 @@ def threshold(
     need("numba")
     from derivations.progress import progress
     from numerics.drive import non_negative
+    from numerics.errors import InputError
     from numerics.ramped_run import base_settings
+    from numerics.string_threshold import string_variations
     from numerics.threshold import threshold as compute
     from numerics.threshold import variations
 
     stiffness = non_negative("beta", number_of("--beta", beta))
     base = base_settings(stiffness, None if dx is None else number_of("--dx", dx))
-    total = 1 if quick else len(variations(base))
+    if stiffness == 0 and dx is not None:
+        raise InputError(
+            f"dx = {dx}: with beta = 0 the motion is exact and has no grid; leave --dx out"
+        )
+    cases = string_variations(base.ramp, base.hold) if stiffness == 0 else variations(base)
+    total = 1 if quick else len(cases)
     with progress("bracketing", total, as_json) as report:
         found = compute(
             number_of("--omega", omega),
@@ -52,12 +59,16 @@ def threshold_json(found: Threshold) -> dict[str, Any]:
     """All of a threshold as plain numbers and words, the brackets in ``runs``."""
     from derivations.simulation_report import finite
 
-    plain: dict[str, Any] = finite({"command": "threshold", **asdict(found)})
+    plain: dict[str, Any] = finite(
+        {"command": "threshold", "bounds": _bounds(found), **asdict(found)}
+    )
     return plain
 
 
 def threshold_text(found: Threshold) -> str:
     """The interval, how the state is lost, and a line for each setting."""
+    from numerics.string_threshold import StringBracket, StringSettings
+
     lines = [
         f"Omega = {found.omega:g}, beta = {found.beta:g}",
         f"the wave-less state is lost at {found.lower:.4g} < epsilon < {found.upper:.4g}; "
@@ -65,16 +76,36 @@ def threshold_text(found: Threshold) -> str:
         f"{'setting':>16}  {'lower':>9}  {'upper':>9}  {'lost after':>10}  {'runs':>4}  mechanism",
     ]
     for run in found.runs:
-        when = f"{run.lost.periods:.1f} of {run.settings.ramp + run.settings.hold:g}"
+        exact = isinstance(run, StringBracket)
+        periods = run.periods if exact else run.lost.periods
+        when = f"{periods:.1f} of {run.settings.ramp + run.settings.hold:g}"
         lines.append(
             f"{run.change.value:>16}  {run.lower:9.6f}  {run.upper:9.6f}  {when:>10}  "
-            f"{run.count:4d}  {run.mechanism.value}"
+            f"{'' if exact else run.count:>4}  {run.mechanism.value}"
         )
     base = found.runs[0].settings
-    lines.append(
-        f"base: dx = {base.dx:g}, ramp {base.ramp:g} and hold {base.hold:g} forcing periods, a "
-        f"wave is higher than {base.height:.2g} Z0"
-    )
+    periods = f"ramp {base.ramp:g} and hold {base.hold:g} forcing periods"
+    if isinstance(base, StringSettings):
+        lines.append(f"base: the exact string, {periods}, {base.labels} orbits")
+    else:
+        lines.append(
+            f"base: dx = {base.dx:g}, {periods}, a wave is higher than {base.height:.2g} Z0"
+        )
+    lines.append(_bounds(found))
     if len(found.runs) == 1:
         lines.append("one setting only: what the answer depends on was not tried")
     return "\n".join(lines)
+
+
+def _bounds(found: Threshold) -> str:
+    """What the interval is one of."""
+    ramps = sorted({run.settings.ramp for run in found.runs})
+    holds = sorted({run.settings.hold for run in found.runs})
+    length = " and ".join(
+        f"{name} of {' or '.join(f'{value:g}' for value in values)}"
+        for name, values in (("ramps", ramps), ("holds", holds))
+    )
+    return (
+        f"this bounds the loss in runs with {length} forcing periods, not the quasi-static loss "
+        "or a fold of the state, which may lie outside"
+    )

@@ -25,8 +25,8 @@ The circle breaks up well before its contact point reaches the wave speed (the l
 to Ω = π have max |ξ_c′| between 0.1 and 0.25); the motion that follows, no longer periodic, is what
 folds.
 
-**What a failure means.** Less than a proof that there is none. Newton's iteration needs all modes of
-the circle, whose number grows without bound towards the break-up, and at fixed (Ω, ε) it is led
+**What a failure means.** Less than a proof that there is none. Newton's iteration needs all modes
+of the circle, whose number grows without bound towards the break-up, and at fixed (Ω, ε) it is led
 astray by the rotation numbers next to the circle's. The golden circle, ϱ = 2π · 0.618034, lasts to
 K = 0.9716; it is found at K = 0.85 (Ω = 1.93925968, ε = .11301003) with 2048 nodes and not with
 1024, at K = 0.905 (1.93904483, .12034911) with 8192 and not with 4096, and at K = 0.92 (1.93898641,

@@ -22,7 +22,6 @@ from numerics.observables import COLUMNS, Column
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Flags, Grid, State
 
-
 ROWS = 100_000
 """Rows that are kept at most of a run whose drive has no period: 11 MB."""
 
