@@ -76,21 +76,22 @@ def threshold_text(found: Threshold) -> str:
         f"{'setting':>16}  {'lower':>9}  {'upper':>9}  {'lost after':>10}  {'runs':>4}  mechanism",
     ]
     for run in found.runs:
-        exact = isinstance(run, StringBracket)
-        periods = run.periods if exact else run.lost.periods
-        when = f"{periods:.1f} of {run.settings.ramp + run.settings.hold:g}"
+        if isinstance(run, StringBracket):
+            lost, count = run.periods, ""
+        else:
+            lost, count = run.lost.periods, str(run.count)
+        when = f"{lost:.1f} of {run.settings.ramp + run.settings.hold:g}"
         lines.append(
             f"{run.change.value:>16}  {run.lower:9.6f}  {run.upper:9.6f}  {when:>10}  "
-            f"{'' if exact else run.count:>4}  {run.mechanism.value}"
+            f"{count:>4}  {run.mechanism.value}"
         )
     base = found.runs[0].settings
     periods = f"ramp {base.ramp:g} and hold {base.hold:g} forcing periods"
     if isinstance(base, StringSettings):
         lines.append(f"base: the exact string, {periods}, {base.labels} orbits")
     else:
-        lines.append(
-            f"base: dx = {base.dx:g}, {periods}, a wave is higher than {base.height:.2g} Z0"
-        )
+        wave = f"a wave is higher than {base.height:.2g} Z0"
+        lines.append(f"base: dx = {base.dx:g}, {periods}, {wave}")
     lines.append(_bounds(found))
     if len(found.runs) == 1:
         lines.append("one setting only: what the answer depends on was not tried")

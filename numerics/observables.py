@@ -74,8 +74,8 @@ COLUMNS = len(Column)
 def elastic_force(stiffness: Array, height: Array, size: int, force: Array) -> None:
     """KW on the first ``size`` nodes, those beyond being at W = 0."""
     k0, k1, k2 = stiffness[0], stiffness[1], stiffness[2]
-    # Views that start where they are read, and no branches: an index such as i − 2 might be negative,
-    # and the check of that keeps the compiler from vectorising.
+    # Views that start where they are read, and no branches: an index such as i − 2 might be
+    # negative, and the check of that keeps the compiler from vectorising.
     middle, sides, far = k0[2:], k1[1:], k2[2:]
     own, before, after, last, inner = height[2:], height[1:], height[3:], height[4:], force[2:]
     for i in range(size - 4):
