@@ -26,7 +26,7 @@ CASES = [
 @pytest.mark.parametrize("harmonics", CASES, ids=str)
 @pytest.mark.parametrize(("dx", "dy"), [(0.3, 1e-4), (1e-4, 0.5), (0.2, 0.2), (0.05, 0.02)])
 def test_no_value_in_a_cell_exceeds_its_bound(harmonics, dx, dy):
-    """Corners and inside; cells about maxima and minima too, where the second order counts alone."""
+    """Corners and inside; cells about extrema too, where the second order counts alone."""
     profile = _Profile(harmonics)
     dx, dy = dx / profile.k[-1], dy / profile.k[-1]
     x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, math.pi, 41), np.linspace(dy, 9, 120)))
