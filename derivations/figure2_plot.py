@@ -125,7 +125,7 @@ def _intervals(axes: Any, points: Sequence[Point], x_of: Callable[[Point], float
 
 
 def _string(axes: Any, curve: Curve, x: np.ndarray) -> None:
-    """The exact string: a band for the ramped run, a line for the last circle."""
+    """The exact string: a band for the ramped run, a line for the last circle found."""
     colour = COLOURS[0.0]
     order = np.argsort(x)
     if curve.name == "last circle":
@@ -150,7 +150,7 @@ def _legend(axes: Any, found: list[Curve]) -> None:
     ]
     shown += [
         Patch(color=COLOURS[0.0], alpha=0.28, lw=0, label=r"exact string, $\beta=0$, same ramp"),
-        Line2D([], [], color=COLOURS[0.0], lw=0.8, label="exact string, last periodic state"),
+        Line2D([], [], color=COLOURS[0.0], lw=0.8, label="exact string, last periodic state found"),
         Line2D([], [], color=_PAPER, ls="--", label=r"the paper's fits, $\Omega_0=3.2$"),
         Line2D([], [], color="0.25", ls="", marker="|", ms=8, label="linear resonances"),
     ]

@@ -35,16 +35,26 @@ def threshold(
     """ε_c: where a ramped run loses the wave-less state, as an interval, and how."""
     need("numba")
     from derivations.progress import announce, announce_compiling, progress
+    from numerics.errors import InputError
     from numerics.ramped_run import base_settings
+    from numerics.string_threshold import string_variations
     from numerics.threshold import threshold as compute
     from numerics.threshold import variations
 
     base = base_settings(beta, dx)
-    cases = [base] if quick else list(variations(base).values())
-    announce(*_effort(omega, beta, cases))
+    if beta == 0 and dx is not None:
+        raise InputError(
+            f"dx = {dx}: with beta = 0 the motion is exact and has no grid; leave --dx out"
+        )
+    if beta == 0:
+        count = len(string_variations(base.ramp, base.hold))
+    else:
+        settings = list(variations(base).values())
+        count = len(settings)
+        announce(*_effort(omega, beta, settings[:1] if quick else settings))
     announce_compiling(as_json)
     done = 0
-    with progress("bracketing", len(cases), as_json) as report:
+    with progress("bracketing", 1 if quick else count, as_json) as report:
 
         def advance(brackets: int, _: int) -> None:
             nonlocal done
@@ -70,12 +80,16 @@ def _effort(omega: float, beta: float, cases: list[Settings]) -> tuple[str, floa
 
 def threshold_json(found: Threshold) -> dict[str, Any]:
     """All of a threshold as plain numbers and words, the brackets in ``runs``."""
-    plain: dict[str, Any] = finite({"command": "threshold", **asdict(found)})
+    plain: dict[str, Any] = finite(
+        {"command": "threshold", "bounds": _bounds(found), **asdict(found)}
+    )
     return plain
 
 
 def threshold_text(found: Threshold) -> str:
     """The interval, how the state is lost, and a line for each setting."""
+    from numerics.string_threshold import StringBracket, StringSettings
+
     lines = [
         f"Omega = {found.omega:g}, beta = {found.beta:g}",
         f"the wave-less state is lost at {found.lower:.4g} < epsilon < {found.upper:.4g}; "
@@ -83,16 +97,37 @@ def threshold_text(found: Threshold) -> str:
         f"{'setting':>16}  {'lower':>9}  {'upper':>9}  {'lost after':>10}  {'runs':>4}  mechanism",
     ]
     for run in found.runs:
-        when = f"{run.lost.periods:.1f} of {run.settings.ramp + run.settings.hold:g}"
+        if isinstance(run, StringBracket):
+            lost, count = run.periods, ""
+        else:
+            lost, count = run.lost.periods, str(run.count)
+        when = f"{lost:.1f} of {run.settings.ramp + run.settings.hold:g}"
         lines.append(
             f"{run.change.value:>16}  {run.lower:9.6f}  {run.upper:9.6f}  {when:>10}  "
-            f"{run.count:4d}  {run.mechanism.value}"
+            f"{count:>4}  {run.mechanism.value}"
         )
     base = found.runs[0].settings
-    lines.append(
-        f"base: dx = {base.dx:g}, ramp {base.ramp:g} and hold {base.hold:g} forcing periods, a "
-        f"wave is higher than {base.height:.2g} Z0"
-    )
+    periods = f"ramp {base.ramp:g} and hold {base.hold:g} forcing periods"
+    if isinstance(base, StringSettings):
+        lines.append(f"base: the exact string, {periods}, {base.labels} orbits")
+    else:
+        wave = f"a wave is higher than {base.height:.2g} Z0"
+        lines.append(f"base: dx = {base.dx:g}, {periods}, {wave}")
+    lines.append(_bounds(found))
     if len(found.runs) == 1:
         lines.append("one setting only: what the answer depends on was not tried")
     return "\n".join(lines)
+
+
+def _bounds(found: Threshold) -> str:
+    """What the interval is one of."""
+    ramps = sorted({run.settings.ramp for run in found.runs})
+    holds = sorted({run.settings.hold for run in found.runs})
+    length = " and ".join(
+        f"{name} of {' or '.join(f'{value:g}' for value in values)}"
+        for name, values in (("ramps", ramps), ("holds", holds))
+    )
+    return (
+        f"this bounds the loss in runs with {length} forcing periods, not the quasi-static loss "
+        "or a fold of the state, which may lie outside"
+    )

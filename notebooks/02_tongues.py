@@ -82,7 +82,7 @@ axes.legend(title="exponent", frameon=False)
 # The dashed line is a statement about the true rope without bending, not about a truncated series.
 # The exact periodic state is an invariant circle; the largest $\epsilon$ with a circle near
 # $\Omega = \pi$ is found by bisection, without any of the algebra above. (A circle may exist again
-# beyond a gap; what is bisected here is the first failure.)
+# beyond a gap, and one that exists may not be found; what is bisected here is the first failure.)
 
 # %%
 from numerics.errors import CircleNotFoundError

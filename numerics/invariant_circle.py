@@ -24,6 +24,13 @@ By Birkhoff's theorem an invariant circle is a graph over φ, hence 1 + U′ > 0
 The circle breaks up well before its contact point reaches the wave speed (the last ones found next
 to Ω = π have max |ξ_c′| between 0.1 and 0.25); the motion that follows, no longer periodic, is what
 folds.
+
+**What a failure means.** Less than a proof that there is none. Newton's iteration needs all modes
+of the circle, whose number grows without bound towards the break-up, and at fixed (Ω, ε) it is led
+astray by the rotation numbers next to the circle's. The golden circle, ϱ = 2π · 0.618034, lasts to
+K = 0.9716; it is found at K = 0.85 (Ω = 1.93925968, ε = .11301003) with 2048 nodes and not with
+1024, at K = 0.905 (1.93904483, .12034911) with 8192 and not with 4096, and at K = 0.92 (1.93898641,
+.12235122) not with 65536, though at fixed ϱ the same equations have a solution to rounding there.
 """
 
 from __future__ import annotations
@@ -72,7 +79,8 @@ def invariant_circle(
     InputError
         Ω or ε is not what is allowed.
     CircleNotFoundError
-        There is no such state as far as M nodes can tell; carries the last iterate.
+        None was found with up to M nodes, which does not prove that there is none: see the
+        module's docstring. Carries the last iterate; None for |K| ≥ 63/64, where it is proved.
 
     Examples
     --------
@@ -99,8 +107,9 @@ def invariant_circle(
         raise CircleNotFoundError(
             f"no invariant circle found at Omega = {omega!r}, epsilon = {epsilon!r} with up to "
             f"{max_nodes} nodes (K = {strength:.6g}; residual {state.residuals[-1]:.1e}): "
-            f"{state.status.value}. Take a smaller |epsilon| or move Omega away from the nearest "
-            "resonance pπ/q with small q; close to the break-up itself, raise max_nodes",
+            f"{state.status.value}. This is no proof that there is none. Take a smaller |epsilon|, "
+            "move Omega away from the nearest resonance pπ/q with small q, or raise max_nodes, "
+            "which close to the break-up (|K| from 0.92 on, or less) need not help",
             state,
         )
     return state

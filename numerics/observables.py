@@ -14,9 +14,9 @@ must agree with that:
 With β = 0 there is no point force and S₀ alone gives d. Both are of second order in dx at rest. In
 motion W is, but ξ_c carries noise: every node that is laid down or picked up is a small impact, and
 where W grows like s³ the last node is soon all noise. Measured: 0.1 dx at β = 0.01, 0.07 dx at
-β = 0; :meth:`numerics.simulation.Run.smooth_contact` averages it. Where the rope touches with a
-single node, at the instant of an impact, or so close to the driven end that Z enters those forces,
-ξ_c is the node itself, and P its KW if the ground must push.
+β = 0, and 0.2 dx for dx below √β/20; :meth:`numerics.simulation.Run.smooth_contact` averages it.
+Where the rope touches with a single node, at the instant of an impact, or so close to the driven
+end that Z enters those forces, ξ_c is the node itself, and P its KW if the ground must push.
 
 Where nothing is on the ground the entries are NaN; where nothing beyond ξ_c is lifted BUMP is 0 and
 BUMP_AT NaN; where there is no minimum before ξ_c both GAPs are NaN.
@@ -54,7 +54,8 @@ class Column(IntEnum):
     DAMPED = 8
     """What damping has taken, since the start."""
     LOST = 9
-    """What contact has taken, since the start."""
+    """What contact has taken, since the start. Of a rope that follows: an error of the grid, see
+    :mod:`numerics.trapezoidal`."""
     UNEXPLAINED = 10
     """Change of energy in this step that none of these explains."""
     ROUNDS = 11
@@ -72,9 +73,13 @@ COLUMNS = len(Column)
 def elastic_force(stiffness: Array, height: Array, size: int, force: Array) -> None:
     """KW on the first ``size`` nodes, those beyond being at W = 0."""
     k0, k1, k2 = stiffness[0], stiffness[1], stiffness[2]
-    for i in range(2, size - 2):  # without branches: the compiler vectorises it
-        left = k2[i - 2] * height[i - 2] + k1[i - 1] * height[i - 1]
-        force[i] = k0[i] * height[i] + left + (k1[i] * height[i + 1] + k2[i] * height[i + 2])
+    # Views that start where they are read, and no branches: an index such as i − 2 might be
+    # negative, and the check of that keeps the compiler from vectorising.
+    middle, sides, far = k0[2:], k1[1:], k2[2:]
+    own, before, after, last, inner = height[2:], height[1:], height[3:], height[4:], force[2:]
+    for i in range(size - 4):
+        left = k2[i] * height[i] + sides[i] * before[i]
+        inner[i] = middle[i] * own[i] + left + (sides[i + 1] * after[i] + far[i] * last[i])
     for i in (0, 1, size - 2, size - 1):
         total = k0[i] * height[i]
         if i > 0:

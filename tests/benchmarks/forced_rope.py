@@ -51,18 +51,25 @@ LAST = slice(-SAMPLES, None)
 
 @dataclass(frozen=True)
 class Outcome:
-    """One run; ``contact`` is ξ_c at TIMES, ``seconds`` of processor time are for one period."""
+    """One run; ``contact`` is ξ_c at TIMES, ``seconds`` of processor time are for one period.
+
+    ``reference`` is the exact ξ_c where the run is not of the periodic state, ``own`` the error of
+    the program's own contact point where it has one.
+    """
 
     name: str
     nodes: int
     dt: float
     seconds: float
     contact: Array
+    reference: Array | None = None
+    own: float | None = None
 
     @property
     def error(self) -> float:
         """Root mean square over the last period; NaN when a run has blown up."""
-        return rms(self.contact[LAST] - contact_series(TIMES[LAST]))
+        exact = contact_series(TIMES) if self.reference is None else self.reference
+        return rms((self.contact - exact)[LAST])
 
 
 def rms(values: Array) -> float:

@@ -1,10 +1,12 @@
 """What the accuracy of a contact point costs in public simulators.
 
 ``python -m tests.benchmarks.public_simulators`` runs the rope of
-:mod:`tests.benchmarks.forced_rope` in PyElastica, in MoorDyn and in :mod:`numerics.contact`, and
-prints error against time, all of one run on one core. Install the rivals with
-``pip install pyelastica moordyn``. ``--effects`` varies what the rivals need and the rope has not:
-a ground that gives, extension, slopes that are not small.
+:mod:`tests.benchmarks.forced_rope` in PyElastica, in MoorDyn, in CableDyn and in
+:mod:`numerics.contact`, and prints error against processor time, all of one run on one core.
+Install the rivals with ``pip install pyelastica moordyn cabledyn``. ``--effects`` varies what the
+rivals need and the rope has not: a ground that gives, extension, slopes that are not small.
+CableDyn starts from rest (:mod:`tests.benchmarks.cabledyn_rope`) and is compared with ours from
+rest.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from numerics.drive import cosine
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid
 from numerics.simulation import follow
+from tests.benchmarks.cabledyn_rope import cabledyn, ours_from_rest, settings
 from tests.benchmarks.forced_rope import (
     BETA,
     EPSILON,
@@ -44,8 +47,12 @@ from tests.benchmarks.moordyn_rope import moordyn
 from tests.benchmarks.pyelastica_rope import pyelastica
 
 OUR_SPACINGS = (0.025, 0.02, 0.0125, 0.01, 0.005, 0.0025)
-RIVALS: dict[str, Callable[..., Outcome]] = {"pyelastica": pyelastica, "moordyn": moordyn}
-MODULES = {"pyelastica": "elastica", "moordyn": "moordyn"}
+RIVALS: dict[str, Callable[..., Outcome]] = {
+    "pyelastica": pyelastica,
+    "moordyn": moordyn,
+    "cabledyn": cabledyn,
+}
+MODULES = {"pyelastica": "elastica", "moordyn": "moordyn", "cabledyn": "cabledyn"}
 EFFECTS = (("ground", 4.0), ("ground", 64.0), ("rigid", 60.0), ("slope", 2 * SLOPE))
 
 
@@ -97,7 +104,8 @@ def row(label: str, outcome: Outcome, front: list[Outcome]) -> str:
     bound, cost = seconds_for(outcome.error, front)
     ratio = f"{bound} {outcome.seconds / cost:,.{0 if outcome.seconds > 10 * cost else 1}f}"
     numbers = f"{outcome.nodes:5d} {outcome.dt:9.1e} {outcome.error:9.1e}"
-    return f"{label:18s} {numbers} {1e3 * outcome.seconds:10.2f} ms {ratio:>9s}"
+    own = "" if outcome.own is None else f"  by its own touchdown point {outcome.own:.1e}"
+    return f"{label:18s} {numbers} {1e3 * outcome.seconds:10.2f} ms {ratio:>9s}{own}"
 
 
 def reference_report() -> str:
@@ -125,6 +133,14 @@ def table(rivals: list[str], spacings: list[float], effects: bool) -> None:
     for outcome in measured:
         print(row(f"ropewave {version('ropewave')}", outcome, front), flush=True)
     for name in rivals:
+        if name == "cabledyn":
+            print(settings())
+            rest = [
+                ours_from_rest(dx, like) for dx, like in zip(OUR_SPACINGS, measured, strict=True)
+            ]
+            front = best_of(rest)
+            for outcome in rest:
+                print(row("ropewave from rest", outcome, front), flush=True)
         for dx in spacings:
             outcome = RIVALS[name](dx)
             print(row(f"{outcome.name} {version(name)}", outcome, front), flush=True)

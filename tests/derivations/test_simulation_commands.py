@@ -301,12 +301,25 @@ def test_the_threshold_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     text = capsys.readouterr().out
     assert "the wave-less state is lost at 0.0" in text
     assert "one setting only" in text
+    assert "with ramps of 20 and holds of 20 forcing periods, not the quasi-static loss" in text
     assert run("threshold", "--omega", "-1") == 2
     assert "omega = -1" in capsys.readouterr().err.lower()
     assert run("threshold", "--omega", "2.9", "--beta", "-1") == 2
     assert (
         "'--beta': Input should be greater than or equal to 0, not '-1'" in capsys.readouterr().err
     )
+
+
+def test_the_threshold_of_a_string_is_exact(capsys: pytest.CaptureFixture[str]) -> None:
+    found = answer(capsys, "threshold", "--omega", "2.7", "--beta", "0")
+    assert found["lower"] < 0.0292 < found["upper"] < 0.03
+    assert found["mechanism"] == "sonic contact"
+    assert [each["settings"]["ramp"] for each in found["runs"]] == [20, 40, 80, 20, 20]
+    assert "ramps of 20 or 40 or 80 and holds of 20 or 80" in found["bounds"]
+    assert run("threshold", "--omega", "2.7", "--beta", "0") == 0
+    assert "base: the exact string, ramp 20 and hold 20" in capsys.readouterr().out
+    assert run("threshold", "--omega", "2.7", "--beta", "0", "--dx", "0.01") == 2
+    assert "leave --dx out" in capsys.readouterr().err
 
 
 def test_progress_tells_the_time_left(

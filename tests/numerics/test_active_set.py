@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from numerics.trapezoidal import ROUNDS, complementarity
+from numerics.trapezoidal import ROUNDS, complementarity, factor, revise, sweep
 from tests.numerics.by_hand import EPS
 
 
@@ -137,3 +137,45 @@ def test_window_grows():
     np.testing.assert_array_equal(active, held)
     np.testing.assert_allclose(x, whole, rtol=0, atol=64 * EPS * whole.max())
     assert (whole > 0).sum() > 5
+
+
+def whole_rounds(bands, right, obstacle, active) -> tuple[np.ndarray, np.ndarray, int, float]:
+    """The same iteration with every round over all rows."""
+    n = len(right)
+    factors, y, x, changed = np.zeros((3, n)), np.zeros(n), np.zeros(n), np.empty(n, np.int64)
+    held, rounds, count, least = active.copy(), 0, 1, np.inf
+    while count:
+        rounds += 1
+        factor(bands, held, 0, n, factors)
+        sweep(factors, right, held, 0, 0, n, y, x)
+        slack = 64 * EPS * bands[0, 0] * np.abs(x).max()
+        count, least = revise(
+            bands, right, obstacle, 0, n, slack, rounds > ROUNDS, x, held, changed, 0
+        )
+    return x, held, rounds, least
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_rounds_over_what_changed_are_whole_rounds_to_the_bit(seed):
+    """Lifted pieces of all lengths, apart by a node or more; any start, ground not everywhere."""
+    generator, seen, longest = np.random.default_rng([seed, 7]), set(), 0
+    for _ in range(40):
+        n = int(generator.integers(8, 120))
+        matrix = random_matrix(generator, n) + generator.choice([0.3, 3.0]) * np.eye(n)
+        lift = np.repeat(generator.normal(size=n), generator.integers(1, 9, n))[:n]
+        right = lift + generator.uniform(-1, 0.5) + 0.1 * generator.normal(size=n)
+        obstacle = generator.random(n) < generator.choice([0.8, 1.0])
+        start = (generator.random(n) < generator.uniform(0, 1)) & obstacle
+        bands = bands_of(matrix)
+        wanted, held, rounds, least = whole_rounds(bands, right, obstacle, start)
+        x, active = np.zeros(n), start.copy()
+        size, count, push = complementarity(
+            bands, right, obstacle, n, 0, active, np.zeros((3, n)), np.zeros(n), x
+        )
+        assert (size, count, push) == (n, rounds, least)
+        np.testing.assert_array_equal(active, held)
+        np.testing.assert_array_equal(x, wanted)
+        seen.add(int(np.count_nonzero(np.diff(active.astype(int)) > 0)))
+        longest = max(longest, rounds)
+    assert longest > 3
+    assert max(seen) > 5

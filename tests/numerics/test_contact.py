@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from numerics import simulation
 from numerics.contact import Scheme, Simulator, equilibrium, run_steps
-from numerics.drive import at_rest, cosine, ramped_cosine
+from numerics.drive import Drive, at_rest, cosine, ramped_cosine
 from numerics.errors import InputError
 from numerics.exact_solutions import travelling_pulse
 from numerics.observables import COLUMNS, Column, contact_point
@@ -266,3 +267,22 @@ def test_weightless_string_at_rest():
         rows = np.empty((3, COLUMNS))
         assert run_steps(system, scheme, 0.01, 0.0, np.zeros(5), state, np.zeros(4), rows) == 3
         assert (state.height == 0).all()
+
+
+def test_rows_are_kept_of_a_drive_without_a_period(monkeypatch):
+    """Sampled or spline drives know no Ω: all rows, or the last of too many."""
+    table = np.linspace(0, 2, 41)
+    sampled = Drive(
+        lambda t: np.interp(t, table, 1 + 0.01 * table**2),
+        lambda t: np.interp(t, table, 0.02 * table),
+        "sampled",
+    )
+    run = simulate(RopeProblem(0.01, sampled), 2.0, Grid(0.02, 2.5, 0.0))
+    np.testing.assert_allclose(run.times, 0.02 * np.arange(1, 101))
+    times, contact = run.smooth_contact()
+    assert contact[-1] > contact[0]
+    assert len(times) == len(contact) == 100
+    monkeypatch.setattr(simulation, "ROWS", 70)
+    run = simulate(RopeProblem(0.01, sampled), 2.0, Grid(0.02, 2.5, 0.0))
+    assert len(run.times) in (70, 71)
+    assert run.times[-1] == pytest.approx(2.0)

@@ -179,6 +179,26 @@ def test_too_few_nodes_is_said():
     assert caught.value.partial.nodes == 16
 
 
+@pytest.mark.parametrize(
+    ("omega", "epsilon", "too_few", "enough"),
+    [
+        (1.9392596793683539, 0.11301003110149455, 512, 4096),
+        (1.939044827659574, 0.1203491104974404, 4096, 16384),
+    ],
+)
+def test_a_failure_is_no_proof(omega, epsilon, too_few, enough):
+    """The golden circle at K = .85 and .905, Ω and ε from the same equations at fixed ϱ: it is
+    missed where its series does not fit, and the error does not say that there is none."""
+    golden = math.pi * (math.sqrt(5) - 1)
+    with pytest.raises(CircleNotFoundError, match="no proof that there is none") as caught:
+        invariant_circle(omega, epsilon, max_nodes=too_few)
+    assert caught.value.partial is not None
+    assert caught.value.partial.status is not CircleStatus.CONVERGED
+    state = invariant_circle(omega, epsilon, max_nodes=enough)
+    assert state.nodes > too_few
+    assert state.rotation_number == pytest.approx(golden, abs=1e-12)
+
+
 def test_no_circle_beyond_the_proved_bound():
     """|K| ≥ 63/64; the error names the largest amplitude worth trying."""
     with pytest.raises(CircleNotFoundError, match="63/64") as caught:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from numerics.characteristics_thresholds import sonic_threshold, sonic_times
 from numerics.contact import Scheme
 from numerics.drive import at_rest
 from numerics.errors import InputError
@@ -15,7 +16,6 @@ from numerics.problem import RopeProblem
 from numerics.pulses import smallest_wave
 from numerics.ramped_run import Outcome, Settings, base_settings, run_once
 from numerics.threshold import (
-    Change,
     Mechanism,
     ThresholdNotFoundError,
     bracket,
@@ -48,8 +48,9 @@ def test_a_bracket_holds_when_it_is_run_again(found):
 
 def test_the_interval_covers_every_setting(found):
     result, seen = found
-    assert [run.change for run in result.runs] == list(Change)
-    assert seen == [(k + 1, len(Change)) for k in range(len(Change))]
+    changes = list(variations(COARSE))
+    assert [run.change for run in result.runs] == changes
+    assert seen == [(k + 1, len(changes)) for k in range(len(changes))]
     assert result.lower == min(run.lower for run in result.runs)
     assert result.upper == max(run.upper for run in result.runs)
     # Settings matter here: a single bracket would be over-confident.
@@ -60,7 +61,7 @@ def test_the_interval_covers_every_setting(found):
 def test_every_variation_changes_one_thing_that_matters():
     for base in (COARSE, replace(COARSE, scheme=Scheme.VERLET)):
         cases = variations(base)
-        assert len(set(cases.values())) == len(Change)
+        assert len(set(cases.values())) == len(cases) == 8
     fine = replace(COARSE, refine=2, scheme=Scheme.VERLET)
     problem = RopeProblem(BETA, at_rest())
     whole = replace(fine, refine=1).simulator(problem).dt
@@ -118,9 +119,35 @@ def test_base_heights_fit_on_the_grid():
     assert base_settings(0.0).height == pytest.approx(1e-4)
 
 
-def test_a_string_has_a_threshold_too():
-    result = threshold(2.7, 0.0, Settings(dx=0.02, height=4e-4, ramp=20, hold=10), quick=True)
-    assert 0.01 < result.lower < result.upper < 0.1
+@pytest.mark.parametrize("omega", [2.7, 6.0])
+def test_the_interval_of_a_string_is_that_of_the_exact_string(omega):
+    """No ramp between those that were tried refutes it, and their brackets are those of
+    ``sonic_threshold``; the grid with the same ramps gave [.0333, .0422] and [.0033, .0090]."""
+    seen = []
+    result = threshold(omega, 0.0, progress=lambda done, total: seen.append((done, total)))
+    assert [run.change.value for run in result.runs] == [
+        "base", "ramp × 2", "ramp × 4", "hold × 4", "labels × 2",
+    ]  # fmt: skip
+    assert seen == [(k + 1, 5) for k in range(5)]
+    assert result.mechanism is Mechanism.SONIC_CONTACT
+    assert result.upper < (0.03 if omega == 2.7 else 0.0028)
+    for ramp, hold in ((20, 20), (40, 20), (60, 20), (80, 20), (20, 80), (40, 80), (80, 80)):
+        found = sonic_threshold(omega, ramp, hold, rtol=1e-3)
+        assert result.lower <= found.upper
+        assert found.lower <= result.upper * 1.01
+    for run in result.runs:
+        s = run.settings
+        tried = [run.lower, run.upper]
+        times = sonic_times(omega, tried, s.ramp, s.hold, s.labels) * omega / (2 * math.pi)
+        assert math.isnan(times[0])
+        assert times[1] == run.periods <= s.ramp + s.hold
+
+
+def test_the_string_s_ramp_and_hold_are_those_of_the_base():
+    base = Settings(dx=0.02, height=4e-4, ramp=10, hold=5)
+    (run,) = threshold(2.7, 0.0, base, quick=True).runs
+    assert (run.settings.ramp, run.settings.hold) == (10, 5)
+    assert run.upper / run.lower <= 1.0102
 
 
 def outcome(growth=1.0, cut=0.0, speed=0.5, error=0.05):
