@@ -119,7 +119,7 @@ def symbolic_beam(order: int) -> Problem[fmpq_mpoly]:
         end_residual=end_residual,
         end_unit=lambda j: ring.sum([ring["S2"], ring["lambda"] * ring["S3"]]),
         load=minus * sigma,
-        static_end_residual=lambda: ring.zero,
+        static_end_residual=lambda a: ring.zero,
     )
 
 

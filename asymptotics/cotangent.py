@@ -21,12 +21,15 @@ the pole at the nonlinear resonances Ω = pπ/q.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import gcd, lcm
+from typing import Any
 
 from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+
+from asymptotics.errors import InputError
 
 _CONTEXT = fmpz_mpoly_ctx.get(["Omega", "c"], Ordering.lex)
 _OMEGA, _C = _CONTEXT.gens()
@@ -34,6 +37,9 @@ _ZERO, _ONE = _CONTEXT.constant(0), _CONTEXT.constant(1)
 
 Poles = tuple[int, ...]
 """Exponents (m₂, m₃, …) of Ψ₂, Ψ₃, …, without trailing zeros."""
+
+MOST = 100_000
+"""No exponent is larger: degrees grow like a power of the order, to 391 at order 20."""
 
 
 @cache
@@ -200,6 +206,51 @@ def _reduced(numerator: fmpz_mpoly, denominator: int, poles: list[int]) -> Cotan
     return CotangentElement(numerator, denominator, tuple(poles))
 
 
+def check_element(terms: Iterable[Sequence[Any]], denominator: Any, poles: Sequence[Any]) -> None:
+    """Whether Σ v Ω^a c^i over d ∏ Ψ_q^{m_q} is an element, given as (a, i, v), d and (m₂, m₃, …).
+
+    Whole numbers throughout; d > 0, the v not zero, each (a, i) once, and no exponent, of Ω, c or a
+    Ψ_q, negative or above :data:`MOST`.
+
+    Raises
+    ------
+    InputError
+        It is not, and why.
+
+    Examples
+    --------
+    >>> check_element([(0, 1, -3)], 0, ())
+    Traceback (most recent call last):
+        ...
+    asymptotics.errors.InputError: the denominator 0 is not a whole number > 0
+    """
+    if type(denominator) is not int or denominator < 1:
+        raise InputError(f"the denominator {_quoted(denominator)} is not a whole number > 0")
+    seen = set()
+    for a, i, v in terms:
+        if not (_is_exponent(a) and _is_exponent(i)) or (a, i) in seen:
+            raise InputError(
+                f"the exponents {_quoted((a, i))} of a term are not whole numbers from 0 to "
+                f"{MOST}, each pair once"
+            )
+        if type(v) is not int or v == 0:
+            raise InputError(f"the coefficient {_quoted(v)} is not a whole number other than 0")
+        seen.add((a, i))
+    if len(poles) > MOST or not all(map(_is_exponent, poles)):
+        raise InputError(
+            f"the exponents {_quoted(poles)} of the poles are not whole numbers from 0 to {MOST}"
+        )
+
+
+def _is_exponent(value: Any) -> bool:
+    return type(value) is int and 0 <= value <= MOST
+
+
+def _quoted(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
 class CotangentRing:
     """ℚ[Ω, cot Ω, cot 2Ω, …] with an exact zero test.
 
@@ -221,7 +272,9 @@ class CotangentRing:
         return CotangentElement(_CONTEXT.constant(numerator), denominator)
 
     def cot(self, j: int) -> CotangentElement:
-        """κⱼ = cot jΩ, j ≥ 1."""
+        """κⱼ = cot jΩ, j ≥ 1, or an :class:`InputError`."""
+        if j < 1:
+            raise InputError(f"cot({j}*Omega) is not in the ring; give a harmonic j ≥ 1")
         p, q = cotangent_powers(j)
         poles = tuple(int(j % k == 0) for k in range(2, j + 1))
         return CotangentElement(_in_c(p), int(q.content()), poles)
@@ -229,7 +282,14 @@ class CotangentRing:
     def element(
         self, terms: Mapping[tuple[int, ...], int], denominator: int, poles: Poles
     ) -> CotangentElement:
-        """Σ terms[a, i] Ω^a c^i over d ∏ Ψ_q^{m_q}, as read back from a saved derivation."""
+        """Σ terms[a, i] Ω^a c^i over d ∏ Ψ_q^{m_q}, as read back from a saved derivation.
+
+        Raises
+        ------
+        InputError
+            What :func:`check_element` refuses.
+        """
+        check_element(((a, i, v) for (a, i), v in terms.items()), denominator, poles)
         return CotangentElement(
             _CONTEXT.from_dict(dict(terms)), denominator, tuple(poles)
         ).canonical()

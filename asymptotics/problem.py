@@ -74,7 +74,8 @@ class Problem(Generic[E]):
         (j, [w, w′, …, first r]) ↦ what the homogeneous driven end leaves of one harmonic, so
         normalised that a unit drive leaves ``end_unit(j)``.
     load, static_end_residual
-        What the static shape leaves of the PDE (its weight), and of the driven end (zero).
+        What the static shape leaves of the PDE (its weight); and d ↦ a_d ↦ what a static shape with
+        these derivatives leaves of the driven end (zero for W₀), linear in them but for a constant.
     """
 
     name: str
@@ -89,7 +90,7 @@ class Problem(Generic[E]):
     end_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
     end_unit: Callable[[int], E] = field(repr=False)
     load: E = field(repr=False)
-    static_end_residual: Callable[[], E] = field(repr=False)
+    static_end_residual: Callable[[Callable[[int], E]], E] = field(repr=False)
 
 
 def driven_string(
@@ -144,8 +145,10 @@ def driven_string(
         ),
         end_unit=lambda j: end_unit(j) if j else ring.one,
         load=ring.rational(2),
-        # (ξ − 1)² at ξ = 0 is a₂/2, and the driven end is held at 1.
-        static_end_residual=lambda: ring.sum([ring.rational(2, 2), ring.rational(-1)]),
+        # A parabola in ξ − 1 is a₀ − a₁ + a₂/2 at ξ = 0, where it is held at 1.
+        static_end_residual=lambda a: ring.sum(
+            [a(0), minus * a(1), ring.rational(1, 2) * a(2), minus]
+        ),
     )
 
 
