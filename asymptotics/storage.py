@@ -7,30 +7,41 @@ whole files or none. Each carries
 * the problem and the format it belongs to: another problem's file is *foreign* and refused;
 * the SHA-256 of its content and that of the file before it: anything else is *damaged* and refused.
 
-Refused files are never overwritten. A seal says that a file is what was written, not that it is
-true; whoever loads an expansion proves it anew (:func:`asymptotics.proof.prove`).
+Refused files are never overwritten. A seal is no key, it says that a file is what was written, not
+by whom: what is read is bounded and checked for its form (:mod:`asymptotics.saved_orders`), and
+every number of it, those that later orders are computed from included, is compared with the
+engine's at a random point modulo a random prime (:mod:`asymptotics.modular`). Whoever goes on to
+use an expansion proves it (:func:`asymptotics.proof.prove`).
 """
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import json
 import os
 import tempfile
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from asymptotics.cotangent import CotangentElement, CotangentRing
+from asymptotics.cotangent import CotangentElement, CotangentRing, Poles, check_element
 from asymptotics.errors import DamagedFileError, ForeignFileError, InputError, StorageError
 from asymptotics.expansion import Expansion, Order, Progress, check_order, expansions
-from asymptotics.harmonics import Harmonics
+from asymptotics.modular import ModularPoint, engine_image
 from asymptotics.problem import Problem
+from asymptotics.saved_orders import (
+    Terms,
+    fields,
+    largest_size,
+    order_from,
+    order_to,
+    packed,
+    unpacked,
+)
 
 FORMAT = "ropewave expansion, version 1"
+_FIELDS = ("format", "problem", "n", "after", "order", "seal")
 _RING = CotangentRing()
 
 
@@ -60,21 +71,49 @@ class Store:
         DamagedFileError, ForeignFileError
             A file is not what was written, or belongs elsewhere; its name and the remedy are given.
         """
-        orders: list[Order[CotangentElement]] = []
+        saved: list[Any] = []
         seal = ""
         for n in range(1, order + 1):
-            if not self.path(n).exists():
-                break
             content = self._read(n, seal)
+            if content is None:
+                break
             seal = content["seal"]
+            saved.append(content["order"])
+        return Expansion(self.problem, self._checked(saved)), seal
+
+    def _checked(self, saved: list[Any]) -> tuple[Order[CotangentElement], ...]:
+        """Saved orders, none of whose numbers is another than the engine's."""
+        if not saved:
+            return ()
+        point = ModularPoint()
+        wanted = engine_image(self.problem, point, len(saved))
+        orders = []
+        for n, (data, known) in enumerate(zip(saved, wanted, strict=True), start=1):
+
+            def image(terms: Terms, d: int, poles: Poles, highest: int = self._highest(n)) -> int:
+                check_element(terms, d, poles)
+                # A product of n cotangents has Ψ_q once for each that q divides.
+                if len(poles) >= highest or any(power > 2 * highest for power in poles):
+                    raise ValueError(f"no coefficient has the poles {list(poles)[:9]}")
+                return point.value_of(terms, d, poles)
+
             try:
-                orders.append(_order_from(content["order"]))
-            except (KeyError, TypeError, ValueError) as error:
-                raise DamagedFileError(
-                    f"{self.path(n)} is damaged: {error!r} while reading it. Move it (and later "
-                    "orders) away and derive again"
-                ) from error
-        return Expansion(self.problem, tuple(orders)), seal
+                if order_from(data, image) != known:
+                    raise ValueError(f"its numbers are not what {self.problem.name!r} yields")
+                orders.append(order_from(data, _element))
+            except (ValueError, ZeroDivisionError) as error:
+                raise self._damaged(n, error) from error
+        return tuple(orders)
+
+    def _highest(self, n: int) -> int:
+        """The highest harmonic of order n."""
+        return n * max(self.problem.drive, default=1)
+
+    def _damaged(self, n: int, why: Exception | str) -> DamagedFileError:
+        return DamagedFileError(f"{self.path(n)} is damaged: {why}. {self._remedy(n)}")
+
+    def _remedy(self, n: int) -> str:
+        return f"It is left as it is: move {self.path(n)} (and later orders) away and derive again"
 
     def append(self, expansion: Expansion[Any], seal: str) -> str:
         """Write the last order of ``expansion``, ``seal`` being that of the one before it.
@@ -83,17 +122,20 @@ class Store:
         and left alone.
         """
         n = expansion.order
-        if self.path(n).exists():
-            return str(self._read(n, seal)["seal"])
         content = {
             "format": FORMAT,
             "problem": self.problem.name,
             "n": n,
             "after": seal,
-            "order": _order_to(expansion.orders[-1]),
+            "order": order_to(expansion.orders[-1]),
         }
         content["seal"] = _seal(content)
-        data = gzip.compress(json.dumps(content, separators=(",", ":")).encode(), 6, mtime=0)
+        there = self._read(n, seal)
+        if there is not None:
+            if there["seal"] != content["seal"]:
+                raise self._damaged(n, f"its numbers are not what {self.problem.name!r} yields")
+            return str(content["seal"])
+        data = packed(content)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             replace_file(self.path(n), lambda path: _write_bytes(path, data))
@@ -104,29 +146,43 @@ class Store:
             ) from error
         return str(content["seal"])
 
-    def _read(self, n: int, after: str) -> dict[str, Any]:
-        path = self.path(n)
-        remedy = f"It is left as it is: move {path} (and later orders) away and derive again"
+    def _read(self, n: int, after: str) -> dict[str, Any] | None:
+        """What the file of order n says, when there is one."""
+        path, limit = self.path(n), largest_size(self._highest(n))
         try:
-            content = json.loads(gzip.decompress(path.read_bytes()))
+            if not path.exists():
+                return None
+            if not path.is_file():
+                raise StorageError(f"{path} is not a file. {self._remedy(n)}")
+            with path.open("rb") as stream:
+                data = stream.read(limit + 1)
         except OSError as error:
-            if not isinstance(error, gzip.BadGzipFile):
-                raise StorageError(f"cannot read {path}: {error.strerror}. {remedy}") from error
-            raise DamagedFileError(f"{path} is damaged: {error}. {remedy}") from error
-        except (ValueError, EOFError, zlib.error) as error:
-            raise DamagedFileError(f"{path} is damaged: {error}. {remedy}") from error
-        if not isinstance(content, dict) or content.get("format") != FORMAT:
-            found = content.get("format") if isinstance(content, dict) else type(content).__name__
-            raise ForeignFileError(f"{path} is not a {FORMAT} (it says {found!r}). {remedy}")
-        if content.get("problem") != self.problem.name or content.get("n") != n:
+            reason = error.strerror or error
+            raise StorageError(f"cannot read {path}: {reason}. {self._remedy(n)}") from error
+        try:
+            content = unpacked(data, limit)
+        except ValueError as error:
+            raise self._damaged(n, error) from error
+        found = content.get("format") if isinstance(content, dict) else type(content).__name__
+        if found != FORMAT:
             raise ForeignFileError(
-                f"{path} holds order {content.get('n')} of {content.get('problem')!r}, not order "
-                f"{n} of {self.problem.name!r}. {remedy}"
+                f"{path} is not a {FORMAT} (it says {str(found)[:40]!r}). {self._remedy(n)}"
             )
-        if content.get("seal") != _seal(content):
-            raise DamagedFileError(f"{path} is damaged: its content has changed. {remedy}")
-        if content.get("after") != after:
-            raise DamagedFileError(f"{path} does not continue the order before it. {remedy}")
+        try:
+            fields(content, _FIELDS, "a saved order")
+        except ValueError as error:
+            raise self._damaged(n, error) from error
+        if (content["problem"], content["n"]) != (self.problem.name, n):
+            raise ForeignFileError(
+                f"{path} holds order {str(content['n'])[:40]} of {str(content['problem'])[:40]!r}, "
+                f"not order {n} of {self.problem.name!r}. {self._remedy(n)}"
+            )
+        if content["seal"] != _seal(content):
+            raise self._damaged(n, "its content has changed")
+        if content["after"] != after:
+            raise DamagedFileError(
+                f"{path} does not continue the order before it. {self._remedy(n)}"
+            )
         return content
 
 
@@ -190,38 +246,5 @@ def _seal(content: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()
 
 
-def _element_to(element: CotangentElement) -> list[Any]:
-    form = element.canonical()
-    terms = [[int(a), int(i), int(v)] for (a, i), v in form.numerator.terms()]
-    return [form.denominator, list(form.poles), terms]
-
-
-def _element_from(data: list[Any]) -> CotangentElement:
-    denominator, poles, terms = data
-    return _RING.element({(a, i): v for a, i, v in terms}, denominator, tuple(poles))
-
-
-def _harmonics_to(harmonics: Harmonics[CotangentElement]) -> dict[str, Any]:
-    return {str(j): _element_to(c) for j, c in sorted(harmonics.items())}
-
-
-def _harmonics_from(data: dict[str, Any]) -> Harmonics[CotangentElement]:
-    return {int(j): _element_from(c) for j, c in data.items()}
-
-
-def _order_to(order: Order[CotangentElement]) -> dict[str, Any]:
-    return {
-        "contact": _harmonics_to(order.contact),
-        "shape": {str(j): [_element_to(d) for d in start] for j, start in order.shape.items()},
-        "tails": [[_harmonics_to(tail) for tail in chain] for chain in order.tails],
-    }
-
-
-def _order_from(data: dict[str, Any]) -> Order[CotangentElement]:
-    return Order(
-        contact=_harmonics_from(data["contact"]),
-        shape={
-            int(j): tuple(_element_from(d) for d in start) for j, start in data["shape"].items()
-        },
-        tails=tuple(tuple(_harmonics_from(tail) for tail in chain) for chain in data["tails"]),
-    )
+def _element(terms: Terms, denominator: int, poles: Poles) -> CotangentElement:
+    return _RING.element({(a, i): v for a, i, v in terms}, denominator, poles)
