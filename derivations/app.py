@@ -103,7 +103,7 @@ def derive(
     shown = "text" if out is not None else formats[0]
     text = "\n".join((pages.get(shown) or render(forms, proofs, shown, column)).values())
     if out is not None and len(text) > SCREEN:
-        text = "\n".join(str(proof) for proof in proofs) + "\n"
+        text = f"{proofs}\n"
     print(text, end="")
     for path in written:
         print(f"wrote {path}", file=sys.stderr)

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from asymptotics.certificates import Proof
 from asymptotics.closed_form import ClosedForms
 from asymptotics.errors import InputError, StorageError
-from asymptotics.proof import OrderProof
 from asymptotics.storage import replace_file
 
 FORMATS = ("text", "latex", "numpy", "json")
 
 
-def render(
-    forms: ClosedForms, proofs: Sequence[OrderProof], format: str, column: str = "two"
-) -> dict[str, str]:
+def render(forms: ClosedForms, proofs: Proof, format: str, column: str = "two") -> dict[str, str]:
     """File name → content of one format; LaTeX has several files, the others one.
 
     Examples
@@ -43,7 +40,7 @@ def render(
     raise InputError(f"format = {format!r}; choose one of {', '.join(FORMATS)}")
 
 
-def as_text(forms: ClosedForms, proofs: Sequence[OrderProof]) -> str:
+def as_text(forms: ClosedForms, proofs: Proof) -> str:
     """F_0 … F_N and ξ_c, each order with its proof, in text that SymPy parses."""
     from asymptotics.text import contact_text, profile_text
 
@@ -55,6 +52,8 @@ def as_text(forms: ClosedForms, proofs: Sequence[OrderProof]) -> str:
         "  x_c/x0 = 1 + sum over n, j of epsilon**n * xi_n_j(Omega) * cos(j*Omega*tau)",
         "  s = (x - x_c)/x0,  Omega = omega*x0/c,  tau = c*t/x0",
         "",
+        f"Proved {proofs.relative_to}.",
+        "",
     ]
     for j in range(N + 1):
         lines += [f"F_{j} = {profile_text(forms, j)}", f"  {proofs[j]}", ""]
@@ -64,7 +63,7 @@ def as_text(forms: ClosedForms, proofs: Sequence[OrderProof]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def as_json(forms: ClosedForms, proofs: Sequence[OrderProof]) -> dict[str, Any]:
+def as_json(forms: ClosedForms, proofs: Proof) -> dict[str, Any]:
     """The derivation as one JSON object; every formula is a string that SymPy parses."""
     from asymptotics.text import contact_text, profile_text, shape_text
 
@@ -93,6 +92,7 @@ def as_json(forms: ClosedForms, proofs: Sequence[OrderProof]) -> dict[str, Any]:
         ],
         "profile": {str(j): profile_text(forms, j) for j in range(forms.order + 1)},
         "proofs": [str(proof) for proof in proofs],
+        "proved_relative_to": proofs.relative_to,
     }
 
 

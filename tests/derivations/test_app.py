@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import gzip
 import importlib.util
 import json
 import math
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import sympy
 
+from asymptotics.storage import _seal
 from derivations.app import GOLDEN, main
 
 
@@ -102,6 +105,43 @@ def test_a_second_run_reads_the_cache(tmp_path: Path) -> None:
     assert run("derive", "--order", "4", "--json") == 2
     assert victim.read_bytes() == b"garbage"
     assert run("derive", "--order", "4", "--json", "--no-cache") == 0
+
+
+def negative(order: dict) -> None:
+    order["contact"]["-1"] = order["contact"]["1"]
+
+
+def doubled_tail(order: dict) -> None:
+    tail = order["tails"][1][0]
+    for element in tail.values():
+        element[0] *= 2
+
+
+@pytest.mark.parametrize("change", [negative, doubled_tail])
+def test_a_resealed_lie_in_the_cache_is_neither_proved_nor_continued(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: Callable[[dict], None]
+) -> None:
+    assert run("derive", "--order", "3", "--json") == 0
+    path = tmp_path / "cache" / "string" / "order-0003.json.gz"
+    content = json.loads(gzip.decompress(path.read_bytes()))
+    change(content["order"])
+    content["seal"] = _seal(content)
+    path.write_bytes(gzip.compress(json.dumps(content).encode()))
+    capsys.readouterr()
+    for order in ("3", "4"):
+        assert run("derive", "--order", order) == 2
+        shown = capsys.readouterr()
+        assert "order-0003.json.gz is damaged" in shown.err
+        assert "proved" not in shown.out + shown.err
+    assert len(list(path.parent.iterdir())) == 3
+
+
+def test_the_certificate_says_what_it_is_relative_to(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("derive", "--order", "2") == 0
+    assert "Proved identically in Omega and c = cot(Omega); and at 3" in capsys.readouterr().out
+    assert run("derive", "--order", "2", "--json") == 0
+    said = json.loads(capsys.readouterr().out)["proved_relative_to"]
+    assert said.startswith("identically in Omega and c = cot(Omega)")
 
 
 @pytest.mark.parametrize(
