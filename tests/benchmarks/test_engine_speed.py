@@ -10,6 +10,8 @@ from __future__ import annotations
 import pytest
 
 from asymptotics import exact_string, expand, float_string, moving_frame, prove
+from asymptotics.enclosures import enclosures
+from asymptotics.modular import wrong_tails
 from tests.benchmarks.rivals import OURS, RIVALS, largest_error
 
 HIGHEST_RIVAL_ORDER = 5
@@ -35,6 +37,24 @@ def test_high_order(benchmark, order, claim):
         expand, (exact_string(), order), rounds=1 if order > 12 else 3, warmup_rounds=0
     )
     assert max(solution.contact(order)) == order
+
+
+PROOF_STEPS = {
+    "expand": lambda solution, frame: expand(exact_string(), solution.order),
+    "moving_frame": lambda solution, frame: moving_frame(solution),
+    "prove, the frame known": prove,
+    "of which enclosures": lambda solution, frame: enclosures(solution),
+    "of which tails": lambda solution, frame: wrong_tails(solution),
+}
+
+
+@pytest.mark.parametrize("step", PROOF_STEPS)
+@pytest.mark.benchmark(group="a proof and what it proves, order 12")
+def test_proof(benchmark, step):
+    solution = expand(exact_string(), 12)
+    benchmark.pedantic(
+        PROOF_STEPS[step], (solution, moving_frame(solution)), rounds=3, warmup_rounds=0
+    )
 
 
 @pytest.mark.benchmark(group="numbers, order 20")
