@@ -372,7 +372,9 @@ def test_at_some_phases_a_harmonic_vanishes() -> None:
 def test_numbers_that_are_none_are_inconsistent() -> None:
     expansion = NUMBERS["string"]
     for value in (np.nan, np.inf):
-        refuted(changed(expansion, 2, contact={0: value, 2: 1.0}), "order 2: inconsistent")
+        contact = dict(expansion.contact(8)) | {0: value}
+        proofs = refuted(changed(expansion, 8, contact=contact), "order 8: inconsistent")
+        assert faults(proofs[8]) == {"contact"}
 
 
 def test_balls_contain_zero_and_say_how_wide_they_are() -> None:

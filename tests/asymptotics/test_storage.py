@@ -287,6 +287,33 @@ def test_every_value_at_every_place(tmp_path: Path) -> None:
     assert len({word.split(":")[1] for word in words if ":" in word}) > 15
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda content: content.pop("after"), "a saved order should have format, problem, n"),
+        (lambda content: content.update(more=1), "a saved order should have format, problem, n"),
+        (lambda content: content["order"].pop("tails"), "an order should have contact, shape"),
+        (lambda content: content["order"].update(more=1), "an order should have contact, shape"),
+        (
+            lambda content: content["order"]["contact"].update(
+                {"02": content["order"]["contact"].pop("2")}
+            ),
+            "'02' is not the index of a harmonic",
+        ),
+    ],
+)
+def test_names_that_are_missing_or_too_many(
+    tmp_path: Path, change: Callable[[Any], Any], said: str
+) -> None:
+    found = copy.deepcopy(SAVED)
+    write(tmp_path, found)
+    change(found[2])
+    found[2]["seal"] = _seal(found[2])
+    path = tmp_path / "order-0002.json.gz"
+    path.write_bytes(gzip.compress(json.dumps(found[2]).encode(), 1))
+    assert said in outcome(tmp_path, 2)
+
+
 def nodes(data: Any, place: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     here = [place] if place else []
     items: Any = ()
