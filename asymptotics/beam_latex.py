@@ -13,8 +13,8 @@ from flint import fmpq_mpoly
 
 from asymptotics.beam import check_beam
 from asymptotics.beam_symbolic import brackets, contact_amplitude
+from asymptotics.equations import BEGIN, END, aligned, equation, room_beside
 from asymptotics.expansion import Expansion
-from asymptotics.latex import BEGIN, END, aligned, equation, room_beside
 from asymptotics.widths import Term
 
 _GENERAL = r"""Here $\theta=\Omega\tau$, $\hat\epsilon=\epsilon/a_{3}$ with

@@ -205,7 +205,7 @@ def evaluate_certified(
     Raises
     ------
     InputError, ResonanceError, PrecisionError
-        As :func:`contact_harmonics`; also for s > 0.
+        As :func:`contact_harmonics`; also for s > 0 or s < −ξ_c.
 
     Examples
     --------
@@ -237,6 +237,9 @@ def evaluate_certified(
 
     what = f"Omega = {exact}, epsilon = {epsilon!r} at order {order}"
     (contact, profile), bits = until(accurate, compute, what)
+    reach = outward(contact)[1]
+    if numbers["s"] < -reach:  # type: ignore[operator]
+        raise InputError(f"s = {s!r} is beyond the driven end, which is at s = {-reach!r}")
     return CertifiedPoint(exact, order, bits, Enclosure.of(contact), Enclosure.of(profile))
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from derivations.cross_check_data import Comparison, against_exact_string
 from derivations.cross_check_forms import beam_form, string_form
 from derivations.cross_check_runs import against_simulator
+from derivations.output import open_streams
 from derivations.plots import check_plot_path, drawing, save_figure
 from numerics.contact import Scheme
 
@@ -141,6 +142,7 @@ def _panel(axes: Any, one: Comparison) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Compare, print and draw."""
+    open_streams()
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, help="the figure: .png, .pdf or .svg")
     parser.add_argument("--dx", type=float, default=DX, help="the simulator's grid")

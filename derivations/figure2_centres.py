@@ -13,6 +13,9 @@ from asymptotics.beam_spectrum import linear_frequencies, stiffness_of
 from asymptotics.static_shape import DrivenEnd, check_driven_end, single_stiffness
 
 FIGURE2_BETA = 0.01
+COMPARED = (FIGURE2_BETA, 0.001)
+"""β of Fig. 2, and the one whose spectrum has the centres printed."""
+
 FIGURE2_CENTRES = {1: 3.2, 2: 6.4}
 """n ↦ where Fig. 2 centres the tongue of the n-th linear resonance: Ω₀ and 2Ω₀."""
 
@@ -53,7 +56,7 @@ class CentreComparison:
 
 
 def figure2_centres(
-    betas: tuple[float, ...] = (FIGURE2_BETA, 0.001), driven_end: str = "pinned"
+    betas: tuple[float, ...] = COMPARED, driven_end: str = "pinned"
 ) -> tuple[CentreComparison, ...]:
     """The paper's centres 3.2 and 6.4 against Ω₁(β) and Ω₂(β), for each β.
 

@@ -65,7 +65,11 @@ def test_shapes() -> None:
         ((0.83, 0.01, 4, [[[-0.5]]], [0.0]), InputError, r"s has shape \(1, 1, 1\)"),
         ((0.83, 0.01, 4, [[-0.5], [-0.6]], [0.0]), InputError, "2 rows for 1 times"),
         ((0.83, 0.01, 4, [[-0.5], [0.1]], [0.0, 1.0]), InputError, "s = 0.1 is beyond the contact"),
-        ((0.83, 0.01, 4, [-3.0], [0.0]), InputError, "s = -3.0 is beyond the driven end.*-1.0056"),
+        (
+            (0.83, 0.01, 4, [-0.5, -3.0, -0.1], [0.0]),
+            InputError,
+            "s = -3.0 is beyond the driven end.*-1.0056",
+        ),
         ((0.83, 0.01, 4, [-1.0], [0.0, 3.0]), InputError, r"when tau = 3;.*for all tau"),
         ((0.83, 0.01, 4, [[-1.0], [-1.0]], [0.0, 3.0]), InputError, "s = -1.0 .*when tau = 3"),
         ((0.83, 0.01, 4, [-0.5], [1e308]), InputError, r"tau = 1e\+308: the phase"),

@@ -188,3 +188,16 @@ def test_the_error_is_infinite_without_a_law() -> None:
     assert 0 < law_error(law, 1e-3) < 3e-3
     assert np.isinf(law.error([-1e-3])).all()
     assert fold(1, 1, 0.01).error([-0.001, -1.0]).tolist()[1] == math.inf
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "wanted"),
+    [(1.0, 1.0, 0.0), (0.99, 1.0, 0.01), (1.25, 1.25, 0.2), (1.2, 1.25, 0.24)],
+)
+def test_the_estimate_counts_what_the_last_orders_moved(
+    low: float, high: float, wanted: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """|ε_law/ε_{N+2} − 1| + |ε_N/ε_{N+2} − 1|, the reduced folds in units of the law."""
+    law = amplitude_equation(1, 1, 0.01)
+    monkeypatch.setattr(fold_range, "double_root", lambda rows: low if len(rows) == 5 else high)
+    assert law_error(law, 1e-3) == pytest.approx(wanted, abs=1e-12)

@@ -20,9 +20,9 @@ from asymptotics import ClosedForms, exact_string, expand
 from asymptotics.beam_latex import beam_latex
 from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.closed_form import symbols
+from asymptotics.equations import COLUMNS
 from asymptotics.errors import InputError
 from asymptotics.latex import (
-    COLUMNS,
     contact_equation,
     formula_sets,
     profile_equation,

@@ -67,6 +67,14 @@ def test_products_of_cotangents_that_share_poles(first: int) -> None:
         check(product(*map(RING.cot, (first, *others))))
 
 
+@pytest.mark.parametrize("q", range(2, 13))
+def test_poles_at_one_resonance_only(q: int) -> None:
+    """1/Ψ_q^m has none at the divisors of q, where every cotangent that is needed has."""
+    for m in (1, 2, 3):
+        for factor in (RING.one, RING.cot(1), RING.omega + RING.cot(1)):
+            check(CotangentElement(factor.numerator, 1, (0,) * (q - 2) + (m,)))
+
+
 def test_even_and_odd_parts_and_powers_of_omega_at_once() -> None:
     k, omega = RING.cot, RING.omega
     parts = [k(4) * k(6), k(2), omega * k(5) * k(10), omega * k(1), RING.rational(3, 7) * k(9)]
@@ -137,6 +145,7 @@ def test_keys_tell_elements_apart() -> None:
     second = RING.sum([omega * omega, omega * k(1) * k(1), RING.one])
     keys = [module._primitive(x)[1] for x in (first, second)]
     assert hash(keys[0]) == hash(keys[1])
+    assert keys[0] != module._Primitive(first.numerator, (1,))
     assert cotangent_form(first) != cotangent_form(second)
 
 

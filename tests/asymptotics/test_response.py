@@ -136,12 +136,14 @@ def test_near_the_contact_a_beam_is_right_relative_to_its_own_size() -> None:
 
 def test_thin_layers_are_refused_before_rounding_has_them() -> None:
     """Where the profile is given, the driven end stays within the bound that lets it through."""
-    for beta in (0.05, 0.02, 0.01, 0.005):
+    for beta in (0.05, 0.01, 0.005, 0.003):
         assert left_over(expand(float_beam(beta, OMEGA, 2), 2), 1e-6) < 2.0**-26
     thin = expand(float_beam(1e-3, OMEGA, 2), 2)
     assert response(thin, phase, 1e-4, [], [0.0]).contact[0] == pytest.approx(1.0322, abs=1e-3)
-    with pytest.raises(InputError, match=r"cancels terms of size .*beam_numpy"):
-        response(thin, phase, 1e-4, [-0.9], [0.0])
+    # Already where one rounding of such terms would still leave half the digits.
+    for solution in (thin, expand(float_beam(1.5e-3, OMEGA, 2), 2)):
+        with pytest.raises(InputError, match=r"cancels terms of size .*beam_numpy"):
+            response(solution, phase, 1e-4, [-0.9], [0.0])
     # A layer at the driven end alone is known from there: e^{−80} at the contact point.
     assert left_over(expand(damped_string(OMEGA, 3000.0), 2), 1e-2) < 1e-15
 

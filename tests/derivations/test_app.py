@@ -256,6 +256,34 @@ def test_bad_input_is_one_clear_error(
     assert "Traceback" not in captured.err
 
 
+def test_out_of_memory_is_one_clear_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from asymptotics import evaluate as module
+
+    def fill(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(module, "evaluate", fill)
+    assert run("evaluate", "--omega", "1.1", "--epsilon", "0.01") == 2
+    captured = capsys.readouterr()
+    assert captured.err == (
+        "ropewave: error: out of memory: ask for fewer points, a lower order or a coarser grid\n"
+    )
+    assert captured.out == ""
+
+
+def test_a_fault_of_the_program_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+    from asymptotics import evaluate as module
+
+    def fail(*_: object) -> None:
+        raise OSError(5, "Input/output error", "some/file")
+
+    monkeypatch.setattr(module, "evaluate", fail)
+    with pytest.raises(OSError, match="some/file"):
+        main(["evaluate", "--omega", "1.1", "--epsilon", "0.01"])
+
+
 def test_an_unwritable_cache(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

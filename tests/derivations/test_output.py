@@ -57,6 +57,16 @@ def test_help_and_results_in_a_poor_encoding(encoding: str) -> None:
     assert ("..." if encoding == "ascii" else "…") in text
 
 
+def test_the_cross_check_in_a_poor_encoding() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "derivations.cross_check", "--help"],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"epsilon" in done.stdout
+
+
 def test_a_file_name_that_is_no_text_is_printed_as_it_is(tmp_path: Path) -> None:
     name = os.fsencode(tmp_path) + b"/\xff.png"
     done = command(*EVALUATE, "--plot", os.fsdecode(name))

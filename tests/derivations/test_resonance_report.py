@@ -43,6 +43,19 @@ def test_json(beta: float, end: str) -> None:
     assert ((2, 2) in pairs) is (beta > 0)
 
 
+@pytest.mark.parametrize(
+    ("beta", "end", "shown"),
+    [(0.01, "pinned", 4), (0.001, "pinned", 4), (0.01, "clamped", 0), (0.0, "pinned", 0),
+     (0.02, "pinned", 0)],
+)  # fmt: skip
+def test_the_papers_centres_stand_beside_their_own_rope_only(
+    beta: float, end: str, shown: int
+) -> None:
+    table = resonance_table(beta, end, count=1, order=1)
+    assert len(as_json(table)["figure2"]) == shown
+    assert ("Fig. 2" in as_text(table)) is (shown > 0)
+
+
 def test_text_and_latex_hold_every_row() -> None:
     table = resonance_table(0.01, "clamped", count=3, order=2)
     text, latex = as_text(table), latex_table(table)

@@ -213,6 +213,13 @@ def test_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["--out", "same.nc", "--checkpoint", "same.nc"], "same.nc is named twice"),
         (["--dx", "1e-9"], "nodes"),
         (["--keep", "nan"], "keep = nan"),
+        (["--omega", "5e-324"], "Omega = 5e-324: its powers and its period leave double precision"),
+        (["--omega", "1e101"], "take 1e-100 ≤ Omega ≤ 1e+100"),
+        (["--damping", "1e308"], "take damping ≤ 1.13e+14"),
+        (["--damping", "2e14"], "damping = 200000000000000.0 lets the rope creep by less than"),
+        (["--periods", "1e308"], "give a finite number"),
+        (["--beta", "0", "--sponge", "0", "--length", "1e308", "--dx", "1e307"], "needs dx ≤ √Z/4"),
+        (["--beta", "0", "--dx", "0.26"], "the lifted rope at rest is √Z = 1 long"),
         (["--out", "run.txt"], "--out 'run.txt': netCDF files end in .nc"),
         (["--plot", "run.bmp"], "ends in .pdf, .png, .svg"),
         (["--animate", "run.mp4"], "ends in .gif"),
@@ -230,6 +237,77 @@ def test_bad_input_is_one_clear_error(
     assert captured.err.startswith("ropewave: error: ")
     assert captured.err.count("\n") == 1
     assert captured.out == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--beta", "1e308"], "'--beta': Input should be less than or equal to 1, not '1e308'"),
+        (["--beta", "5e-324"], "make more than 10000000 nodes"),
+        (["--omega", "5e-324"], "Omega = 5e-324: its powers and its period leave"),
+        (["--omega", "1e-90"], "is more than 2^53 steps of"),
+        (["--omega", "1e5"], "too long for a forcing period of 6.283e-05: take at least 20 steps"),
+        (["--dx", "1e308"], "dx = 1e+308 is too coarse for beta = 0.01"),
+        (["--dx", "1e-308"], "make more than 10000000 nodes"),
+        (["--relative", "1e-10"], "'--relative': Input should be greater than or equal to 0.0000"),
+    ],
+)
+def test_bad_input_to_threshold_is_one_clear_error(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("threshold", "--omega", "2.9", "--quick", *arguments) == 2
+    captured = capsys.readouterr()
+    assert message in captured.err
+    assert captured.err.startswith("ropewave: error: ")
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+
+
+def test_all_that_is_kept_may_be_more_than_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+    found = answer(capsys, *FOLLOWS)
+    assert answer(capsys, *FOLLOWS, "--keep", "1e308") == found
+    assert answer(capsys, *FOLLOWS, "--keep", "6") == found
+
+
+def test_long_work_is_announced(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Roughly: nodes × steps × 20 ns; said with --json as well, and before the first step."""
+    monkeypatch.setattr(progress_module, "ANNOUNCED", 0.0)
+    assert run(*FOLLOWS, "--json") == 0
+    assert capsys.readouterr().err.splitlines()[0] == (
+        "604 steps of 319 nodes: roughly 0.0039 s; Ctrl-C ends it"
+    )
+    short = ("threshold", "--omega", "2.9", "--dx", str(DX), "--relative", "0.5", "--json")
+    assert run(*short, "--quick") == 0
+    assert capsys.readouterr().err.splitlines()[0] == (
+        "about 10 runs, the first of 3467 steps of 319 nodes: roughly 0.22 s; Ctrl-C ends it"
+    )
+    monkeypatch.setattr(progress_module, "ANNOUNCED", 30.0)
+    progress_module.announce("work", 30.0)
+    assert capsys.readouterr().err == ""
+    for seconds, said in ((31, "31 s"), (3e2, "5 minutes"), (2e4, "5.6 hours"), (1e6, "12 days"),
+                          (1e10, "3.1e+02 years")):  # fmt: skip
+        progress_module.announce("work", seconds)
+        assert capsys.readouterr().err == f"work: roughly {said}; Ctrl-C ends it\n"
+
+
+def test_a_threshold_tells_its_runs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress_module, "PATIENCE", -1.0)
+    monkeypatch.setattr(progress_module, "LINE_EVERY", 0.0)
+    line = ("threshold", "--omega", "2.9", "--dx", str(DX), "--relative", "0.5", "--quick")
+    assert run(*line) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert "a run at epsilon = 0.9, " in lines[0]  # the sweep that finds where to begin
+    assert lines[-1].startswith("bracketing: 1/1 (")
+    parts = [int(text.split()[-4]) for text in lines[:-1]]
+    assert all(text.endswith(" % of it") for text in lines[:-1])
+    assert 0 < min(parts) < max(parts) <= 100
+    monkeypatch.setattr(progress_module, "QUIET_PATIENCE", -1.0)
+    assert run(*line, "--json") == 0
+    assert "a run at epsilon" in capsys.readouterr().err
 
 
 def test_a_damaged_or_foreign_checkpoint(
