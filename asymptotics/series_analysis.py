@@ -2,9 +2,11 @@ r"""Where the ε-series ends: its nearest singularities, estimated from its coef
 
 ξ_c's harmonic j is a series :math:`\sum_i c_i x^i` in x = ε², times ε^j. If its nearest singularity
 is :math:`(1 − x/x_c)^{−g}`, then :math:`c_i/c_{i−1} = x_c^{−1}(1 + (g−1)/i + O(i^{−2}))`: the ratio
-method (Domb & Sykes) takes x_c and g from successive ratios. Padé approximants, solved exactly for
-the doubles given, see several poles at once; one counts only if three neighbouring approximants
-agree on it, for rounding makes others that do not.
+method (Domb & Sykes) takes x_c and g from successive ratios. It fails where the nearest ones are a
+complex pair, or several. Padé approximants of f and of f′/f (:mod:`asymptotics.approximants`) see
+several, on the axes and off them; one counts only where both have it, and where it has settled
+between neighbouring approximants and shorter series. What these differ by is its error. Whether it
+is a pole or a branch point is said only where two exponents, of f and of f′, agree.
 
 **What they find at fixed Ω.** A characteristic's mean return time times Ω is
 :math:`ϱ = 2Ω + γ(Ω) ε^2 + O(ε^4)`, with γ of :func:`rotation_shift`. Harmonic j resonates not at
@@ -22,25 +24,29 @@ with K = 2εΩ², see :mod:`asymptotics.lindstedt`.
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import arb
 
+from asymptotics.approximants import Located, exact_series, located, logarithmic_derivative
+from asymptotics.balls import ball_string
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
+from asymptotics.precision import until
 from asymptotics.problem import float_string
 
 # Fewer coefficients than this say nothing about a singularity.
 _FEWEST = 8
-# Neighbouring Padé approximants must agree on a pole to this fraction of its distance: a choice,
-# not a bound. The disagreement found is reported as the error.
-_AGREE = 0.02
+# Estimates must agree on a singularity to this fraction of its distance: a choice, not a bound. The
+# disagreement found is reported as the error.
+_AGREE = 0.25
+# An exponent counts as settled, and two of them as equal, to this: between poles and their nearest
+# relatives, square roots, lie ½.
+_SETTLED = 0.1
 
 
 @dataclass(frozen=True)
@@ -54,9 +60,12 @@ class Singularity:
     method
         ``ratio`` or ``Padé``.
     position, error
-        x_c, and the spread of its last estimates.
+        x_c, and the spread of its estimates: between methods, approximants and orders. Of a complex
+        pair the one above the axis.
     exponent, exponent_error
-        g with its spread; a pole has g = 1. Nan for ``Padé``, which is given poles only.
+        g with its spread; a pole has g = 1. Nan where it is not known.
+    kind
+        ``pole`` or ``branch point`` where two methods agree on g, else ``undecided``.
     """
 
     harmonic: int
@@ -65,6 +74,7 @@ class Singularity:
     error: float
     exponent: float = math.nan
     exponent_error: float = math.nan
+    kind: str = "undecided"
 
     def as_json(self) -> dict[str, Any]:
         """Plain data; ``epsilon`` is |x_c|^{1/2}."""
@@ -76,6 +86,7 @@ class Singularity:
             "error": self.error,
             "epsilon": math.sqrt(abs(self.position)),
             "exponent": exponent,
+            "kind": self.kind,
         }
 
 
@@ -138,40 +149,12 @@ def _check_length(series: Sequence[float]) -> None:
         )
 
 
-def pade_poles(series: Sequence[float], top: int, bottom: int) -> list[complex]:
-    """The poles of the [top/bottom] Padé approximant, nearest first; exact for the given doubles.
+def pade_estimates(series: Sequence[Any], harmonic: int = 0) -> list[Singularity]:
+    """Singularities on which the Padé approximants of f and of f′/f agree, nearest first.
 
-    Empty where the approximant does not exist.
-
-    >>> pade_poles([1.0, 0.5, 0.25, 0.125], 0, 1)
-    [(2+0j)]
-    """
-    # Scaled to coefficients of one size, the roots found are of size one.
-    scale = abs(series[-1] / series[0]) ** (1 / (len(series) - 1)) if series[0] else 1.0
-    scale = scale or 1.0
-    c = [
-        fmpq(*Fraction(value / scale**i).as_integer_ratio()) if value else fmpq(0)
-        for i, value in enumerate(series)
-    ]
-
-    def entry(i: int) -> fmpq:
-        return c[i] if i >= 0 else fmpq(0)
-
-    indices = range(1, bottom + 1)
-    matrix = fmpq_mat(bottom, bottom, [entry(top + i - k) for i in indices for k in indices])
-    try:
-        q = matrix.solve(fmpq_mat(bottom, 1, [-entry(top + i) for i in indices]))
-    except ZeroDivisionError:
-        return []
-    denominator = fmpq_poly([fmpq(1)] + [q[i, 0] for i in range(bottom)])
-    roots: Any = denominator.numer().complex_roots()
-    return sorted((complex(root) / scale for root, _ in roots), key=abs)
-
-
-def pade_estimates(series: Sequence[float], harmonic: int = 0) -> list[Singularity]:
-    """Poles on which three neighbouring Padé approximants agree, nearest first.
-
-    The error is the largest distance between the three.
+    The coefficients (floats, rational numbers, or balls, of which the centre counts) are taken as
+    exact. The error is the distance between the two methods or, when larger, the smaller of their
+    own (:class:`asymptotics.approximants.Located`), and |x_c| (|g − 1| + δg)/n for n coefficients.
 
     Raises
     ------
@@ -187,16 +170,59 @@ def pade_estimates(series: Sequence[float], harmonic: int = 0) -> list[Singulari
     [2.0, -2.5]
     """
     _check_length(series)
-    half = (len(series) - 1) // 2
-    shapes = ((half, half), (half - 1, half), (half - 1, half - 1))
-    first, *others = (pade_poles(series, top, bottom) for top, bottom in shapes)
+    values, scale = exact_series(series)
+    if not values[0]:
+        return []
+    rate = [i * c for i, c in enumerate(values)][1:]
+    poles = located(values, _AGREE)
+    first = located(logarithmic_derivative(values), _AGREE)
+    second = located(logarithmic_derivative(rate), _AGREE) if rate[0] else []
     found = []
-    for pole in first:
-        partners = [min(poles, key=lambda z: abs(z - pole), default=cmath.inf) for poles in others]
-        error = max(abs(partner - pole) for partner in partners)
-        if error <= _AGREE * abs(pole):
-            found.append(Singularity(harmonic, "Padé", pole, error))
-    return found
+    for pole in poles:
+        partner = _partner(pole, first)
+        # f′/f has residue −g; a zero of f has residue 1 and is no singularity.
+        if pole.position.imag < 0 or partner is None or abs(partner.residue - 1) <= _SETTLED:
+            continue
+        gap, best = abs(pole.position - partner.position), min(pole, partner, key=_error)
+        exponent, spread = -partner.residue, partner.residue_error
+        # A pole stands for (1 − x/x_c)^{−g} only up to |g − 1|/n of x_c, by the ratio method.
+        model = abs(best.position) * (abs(exponent - 1) + spread) / len(values)
+        error = max(gap, best.error) + model
+        if error <= _AGREE * abs(best.position):
+            kind = _kind(exponent, spread, _partner(pole, second))
+            found.append(
+                Singularity(
+                    harmonic,
+                    "Padé",
+                    best.position / scale,
+                    error / scale,
+                    exponent.real,
+                    max(spread, abs(exponent.imag)),
+                    kind,
+                )
+            )
+    return sorted(found, key=lambda singularity: abs(singularity.position))
+
+
+def _error(found: Located) -> float:
+    return found.error
+
+
+def _partner(pole: Located, others: list[Located]) -> Located | None:
+    """The nearest of the others, where it is within the errors."""
+    nearest = min(others, key=lambda z: abs(z.position - pole.position), default=None)
+    if nearest is None or abs(nearest.position - pole.position) > pole.error + nearest.error:
+        return None
+    return nearest
+
+
+def _kind(exponent: complex, spread: float, derivative: Located | None) -> str:
+    """What g from f′/f and g + 1 from f″/f′ say together."""
+    if derivative is None or max(spread, derivative.residue_error) > _SETTLED:
+        return "undecided"
+    if abs(exponent - (-derivative.residue - 1)) > _SETTLED:
+        return "undecided"
+    return "pole" if abs(exponent - 1) <= _SETTLED else "branch point"
 
 
 def rotation_shift(omega: float) -> float:
@@ -245,9 +271,20 @@ class SeriesAnalysis:
 
     @property
     def nearest(self) -> Singularity | None:
-        """The nearest singularity on which the Padé approximants of some harmonic agree."""
+        """The nearest singularity on which both Padé methods agree for some harmonic.
+
+        Its error is widened to what other harmonics have within it. None where no two estimates
+        agree. Nearer ones, too weak to be seen at this order, are not excluded.
+        """
         poles = [found for found in self.singularities if found.method == "Padé"]
-        return min(poles, key=lambda found: abs(found.position), default=None)
+        first = min(poles, key=lambda found: abs(found.position), default=None)
+        if first is None:
+            return None
+        gaps = [(abs(found.position - first.position), found.error) for found in poles]
+        return replace(
+            first,
+            error=max(max(gap, first.error) for gap, error in gaps if gap <= first.error + error),
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -261,11 +298,33 @@ class SeriesAnalysis:
         }
 
 
-def analyse_series(omega: float, order: int = 60) -> SeriesAnalysis:
-    """Expand the string at Ω over doubles and look for the singularities of every harmonic.
+def _exact_harmonics(omega: float, order: int) -> dict[int, list[arb]]:
+    """As :func:`harmonic_series`, in balls, of every harmonic that has enough coefficients."""
 
-    The amplitudes lose about four digits by order 60 (the tests measure them against balls), far
-    less than what Padé approximants of that many terms need.
+    def compute() -> dict[int, list[arb]]:
+        expansion = expand(ball_string(omega), order)
+        small = 1 / arb(omega).sin()
+        return {
+            j: [
+                (2 if j else 1) * small**n * expansion.contact(n).get(j, arb(0))
+                for n in range(j or 2, order + 1, 2)
+            ]
+            for j in range(order + 2 - 2 * _FEWEST)
+        }
+
+    def settled(rows: dict[int, list[arb]]) -> bool:
+        digits = 4 * order + 53
+        return all(c.rel_accuracy_bits() >= digits for row in rows.values() for c in row)
+
+    what = f"the series at Omega = {omega!r}, order {order}"
+    return until(settled, compute, what, 8 * order + 64)[0]
+
+
+def analyse_series(omega: float, order: int = 60) -> SeriesAnalysis:
+    """Expand the string at Ω and look for the singularities of every harmonic.
+
+    The coefficients are computed with 4N digits in base 2 more than doubles have: Padé approximants
+    lose some two digits a coefficient.
 
     Raises
     ------
@@ -283,10 +342,9 @@ def analyse_series(omega: float, order: int = 60) -> SeriesAnalysis:
         raise InputError(f"order = {order} gives too few coefficients; give at least 16")
     expansion = expand(float_string(omega, order), order)
     found: list[Singularity] = []
-    for j in range(order + 2 - 2 * _FEWEST):
+    for j, values in _exact_harmonics(float(omega), order).items():
         series = harmonic_series(expansion, omega, j)
-        if any(series):
-            found += [*pade_estimates(series, j), ratio_estimate(series, j)]
+        found += [*pade_estimates(values, j), ratio_estimate(series, j)]
     found.sort(key=lambda s: (s.method != "Padé", abs(s.position)))
     growth = []
     for n in range(1, order + 1):

@@ -193,6 +193,25 @@ def test_balls_enclose_zero_and_the_numbers() -> None:
                 assert 0 < c.rad() < 1e-45
 
 
+@pytest.mark.parametrize("driven_end", DRIVEN_ENDS)
+def test_the_static_shape_carries_its_weight(driven_end: str) -> None:
+    """Order 0 of the proof: W₀ − βW₀⁗ … = 2, its derivatives 0, and both driven-end conditions."""
+    with at_precision(200):
+        problem = beam("0.01", "2.2", driven_end, balls())
+        for d in range(6):
+            left = problem.equation_residual(0, [problem.static(d + i) for i in range(5)])
+            left = left - (problem.load if d == 0 else 0)
+            assert left.contains(0)
+            assert left.rad() < 1e-40
+        assert problem.load == 2
+        end = problem.static_end_residual()
+        assert end.contains(0)
+        assert end.rad() < 1e-40
+    for rope in (beam(0.01, 2.2, driven_end), beam(np.array([0.01, 0.1]), 2.2, driven_end)):
+        left = rope.equation_residual(0, [rope.static(i) for i in range(5)])
+        assert left == pytest.approx(rope.load, rel=8 * EPS)
+
+
 def test_floats_are_the_digits_rounded() -> None:
     for beta, omega in CASES:
         found = expand(float_beam(beta, omega, 5), 5)

@@ -13,6 +13,7 @@ from asymptotics.cotangent import CotangentRing
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion import Order
 from asymptotics.harmonics import pack, reachable, unpack
+from asymptotics.problem import pole_at
 from asymptotics.proof import RefutedError
 from asymptotics.rings import FloatRing
 
@@ -253,3 +254,14 @@ def test_packed_indices_add_like_tuples() -> None:
         pack((1, 1)),
         pack((1, -1)),
     }
+
+
+def test_numerically_at_a_resonance_is_relative_to_the_argument() -> None:
+    """|qΩ − pπ| ≤ √u qΩ: at qΩ = 1000π that is 4.7e-5."""
+    x = 1000 * math.pi
+    assert pole_at(x + 4e-5) == pole_at(x - 4e-5) == 1000
+    assert pole_at(x + 6e-5) == pole_at(x - 6e-5) == 0
+    assert pole_at(math.pi + 4e-8) == 1
+    assert pole_at(math.pi + 6e-8) == 0
+    with pytest.raises(ResonanceError, match="p/q = 1000/1"):
+        float_string(x + 4e-5, 1)

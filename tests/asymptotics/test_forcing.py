@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -355,3 +356,18 @@ def test_bad_generators() -> None:
     with pytest.raises(InputError, match="give each once"):
         generator_string([(0, -1)], 2)
     assert pack((1, -1)) > 0
+
+
+@pytest.mark.parametrize("turns", [7.0, 7.5])
+@pytest.mark.parametrize("near", [1e-7, -3e-6, 1e-3])
+def test_cosine_and_sine_next_to_a_pole_and_a_zero(near: float, turns: float) -> None:
+    """The rounding of n·Ω is put back; without it sin n·Ω loses digits."""
+    drive = fourier_drive([(turns * math.pi + near) / 30, 0.1], {(1, 0): 1.0, (0, 1): 1.0})
+    for index in ((30, 0), (30, 1), (60, 0)):
+        packed = pack(index)
+        x, c, s = drive.circular(packed)
+        with mpmath.workdps(60):
+            exact = sum(n * mpmath.mpf(f) for n, f in zip(index, drive.frequencies, strict=True))
+            assert x == float(exact)
+            assert abs(c - mpmath.cos(exact)) <= 4 * EPS * abs(mpmath.cos(exact))
+            assert abs(s - mpmath.sin(exact)) <= 4 * EPS * abs(mpmath.sin(exact))

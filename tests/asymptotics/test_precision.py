@@ -90,7 +90,9 @@ def test_a_child_forked_while_another_thread_is_inside_is_not_locked_out() -> No
 
 def test_one_place_sets_it() -> None:
     folder = Path(asymptotics.__file__).parent
-    setting = re.compile(r"workprec|flint.*workdps|ctx\.(prec|dps) *=[^=]|ctx, *\"prec\"")
+    setting = re.compile(
+        r"(?<!mpmath\.)workprec|flint.*workdps|ctx\.(prec|dps) *=[^=]|ctx, *\"prec\""
+    )
     setters = {
         path.name for path in folder.glob("**/*.py") if setting.search(path.read_text("utf-8"))
     }
