@@ -28,7 +28,9 @@ def find_clash() -> str | None:
             f"'asymptotics' is imported from {found}, another package of the same name, "
             f"instead of {home / 'asymptotics'}. {REMEDY}; or take its folder off PYTHONPATH"
         )
-    if 'DISTRIBUTION = "ropewave"' not in Path(spec.origin).read_text(encoding="utf-8"):
+    if 'DISTRIBUTION = "ropewave"' not in Path(spec.origin).read_text(
+        encoding="utf-8", errors="replace"
+    ):
         return f"another package has overwritten {spec.origin}. {REMEDY}"
     try:
         other = importlib.metadata.distribution("asymptotics")

@@ -145,6 +145,7 @@ def _check_files(
     from derivations.animation import check_animation_path
     from derivations.files import check_writable
     from derivations.plots import check_plot_path
+    from numerics.files import is_there, specification
 
     given = [path for path in (out, plot, animate, checkpoint) if path is not None]
     named = [os.path.realpath(path) for path in given]
@@ -161,8 +162,7 @@ def _check_files(
         for package in ("xarray", "h5netcdf", "h5py"):
             need(package)
         check_writable(out)
-        if out.exists():
-            from numerics.files import specification
+        if is_there(out):
             from numerics.run_files import check_replaceable
 
             check_replaceable(out, specification(simulator), until + simulator.dt)

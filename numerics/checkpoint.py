@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import json
 import math
-import os
 import time
 import zipfile
 from collections.abc import Callable, Iterator
@@ -26,6 +25,7 @@ from numerics.drive import non_negative
 from numerics.errors import FileError, NumericsError
 from numerics.files import (
     differences,
+    is_there,
     not_written_here,
     read_sealed,
     release,
@@ -77,7 +77,7 @@ def save_checkpoint(simulator: Simulator, path: Path | str) -> None:
     (3.0, True)
     """
     path = Path(path)
-    if path.exists():
+    if is_there(path):
         _check(path, _read(path), simulator)
     packed = io.BytesIO()
     np.savez(packed, **_content(simulator))
@@ -123,7 +123,7 @@ def start_or_resume(
     scheme: Scheme | str = Scheme.TRAPEZOIDAL,
 ) -> Simulator:
     """:func:`resume` where there is a file, else a new :class:`~numerics.contact.Simulator`."""
-    if os.path.lexists(path):
+    if is_there(Path(path)):
         return resume(path, problem, grid, dt, scheme)
     return Simulator(problem, grid, dt, scheme)
 

@@ -94,6 +94,21 @@ def replace_file(path: Path, content: bytes) -> None:
         ) from error
 
 
+def is_there(path: Path) -> bool:
+    """Whether there is something at ``path`` to be read, or to complain of.
+
+    >>> is_there(Path("/nothing of this name"))
+    False
+    """
+    try:
+        path.stat()
+    except FileNotFoundError:
+        return False
+    except OSError:  # whoever reads it will say which
+        return True
+    return True
+
+
 def write_sealed(path: Path, kind: str, content: bytes) -> None:
     """Write the content with a seal at its end; what a killed process left beside it is removed.
 

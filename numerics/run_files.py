@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import warnings
 from pathlib import Path
 from types import ModuleType
@@ -22,6 +21,7 @@ from numerics.errors import FileError, InputError, MissingPackageError
 from numerics.files import (
     Specification,
     differences,
+    is_there,
     not_written_here,
     read_sealed,
     release,
@@ -180,7 +180,7 @@ def save(run: Run | Dataset, path: Path | str, force: bool = False) -> None:
             f"this is no Dataset of a run: {what}. Save a Run, or what dataset() made of one; for "
             "other data there is Dataset.to_netcdf"
         )
-    if os.path.lexists(path) and not force:
+    if is_there(path) and not force:
         check_replaceable(path, json.loads(data.attrs[_SPECIFICATION]), data.attrs["end_time"])
     write_sealed(path, KIND, _netcdf_bytes(data))
 

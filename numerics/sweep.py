@@ -27,7 +27,7 @@ import numpy as np
 from numerics.atomic import sweep_unfinished
 from numerics.drive import whole
 from numerics.errors import FileError, InputError, WorkerError
-from numerics.files import LARGEST_JSON, read_json, replace_file
+from numerics.files import LARGEST_JSON, is_there, read_json, replace_file
 
 Task = dict[str, Any]
 Result = dict[str, Any]
@@ -223,7 +223,7 @@ def _write(path: Path, specification: str, task: Task, result: Result) -> Result
 
 
 def _read(path: Path, specification: str, task: Task) -> Result | None:
-    if not os.path.lexists(path):
+    if not is_there(path):
         return None
     remedy = "Delete it, and its result will be computed again"
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import json
 import shutil
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derivations import figure2
+from derivations import clash, figure2
 from derivations.figure2_points import check_points
 from numerics import checkpoint, run_files
 from numerics.contact import Simulator
@@ -343,3 +344,13 @@ def test_a_folder_of_another_sweep_says_so(tmp_path: Path) -> None:
     shutil.copy(DATA, tmp_path / _name({"x": 1}))
     with pytest.raises(FileError, match="is damaged"):
         sweep(lambda task: task, [{"x": 1}], tmp_path)
+
+
+def test_another_package_in_other_letters(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "asymptotics" / "__init__.py"
+    file.parent.mkdir()
+    file.write_bytes(b"# r\xe9sum\xe9\n")
+    spec = importlib.util.spec_from_file_location("asymptotics", file)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: spec)
+    monkeypatch.setattr(clash, "__file__", str(tmp_path / "derivations" / "clash.py"))
+    assert str(clash.find_clash()).startswith("another package has overwritten")

@@ -128,6 +128,9 @@ def test_the_interval_of_a_string_is_that_of_the_exact_string(omega):
     assert [run.change.value for run in result.runs] == [
         "base", "ramp × 2", "ramp × 4", "hold × 4", "labels × 2",
     ]  # fmt: skip
+    assert [(run.settings.ramp, run.settings.hold, run.settings.labels) for run in result.runs] == [
+        (20, 20, 256), (40, 20, 256), (80, 20, 256), (20, 80, 256), (20, 20, 512),
+    ]  # fmt: skip
     assert seen == [(k + 1, 5) for k in range(5)]
     assert result.mechanism is Mechanism.SONIC_CONTACT
     assert result.upper < (0.03 if omega == 2.7 else 0.0028)
