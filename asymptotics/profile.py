@@ -80,7 +80,7 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
     >>> frame.modes[1][0][2]         # cos Ωs at order ε̂²: −Ω²/4 (1 + cos 2θ)
     {2: (-Omega^2)/(8), 0: (-Omega^2)/(4)}
     """
-    if isinstance(expansion, RoundedExpansion):
+    if isinstance(expansion, RoundedExpansion) and expansion.is_rounded():
         return _rounded_frame(expansion, progress)
     problem, last = expansion.problem, expansion.order
     ring = problem.ring

@@ -40,7 +40,7 @@ from asymptotics.beam_waves import StaticBeam, Waves, waves
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, expand
 from asymptotics.harmonics import Terms, multiply_into
-from asymptotics.precision import at_precision
+from asymptotics.precision import MOST_BITS, PrecisionError, at_precision
 from asymptotics.problem import Mode, Problem
 from asymptotics.rings import FloatRing
 
@@ -52,7 +52,7 @@ Column = tuple[Any, Any, Any, Any]
 Reduced = list[list[arb]]
 """Orders 1 … N of G, order n as the list of g_{n−k,k}, k = 0 … n."""
 
-_FEWEST_BITS, _MOST_BITS = 128, 1 << 13
+_FEWEST_BITS = 128
 
 
 class PolynomialRing(FloatRing):
@@ -113,7 +113,7 @@ def detuning(shape: StaticBeam, rate: arb) -> tuple[arb, arb]:
 def enclosed_frequency(shape: StaticBeam, start: float) -> arb:
     """A ball that holds the zero Ω_p(β) of D near ``start``, its value in doubles; or nan."""
     rate = arb(start)
-    for _ in range(_MOST_BITS.bit_length()):  # Newton doubles the digits each time
+    for _ in range(MOST_BITS.bit_length()):  # Newton doubles the digits each time
         value, slope = detuning(shape, rate)
         rate = (rate - value / slope).mid()
     value, slope = detuning(shape, rate)
@@ -192,11 +192,15 @@ def until_narrow(compute: Callable[[], list[arb]], what: str, together: bool = F
         8192 bits do not suffice.
     """
     bits = _FEWEST_BITS
-    while bits <= _MOST_BITS:
+    while bits <= MOST_BITS:
         with at_precision(bits):
             try:
                 found = compute()
-            except (InputError, ValueError):  # a static shape, a denominator still too wide
+            except (
+                InputError,
+                PrecisionError,
+                ValueError,
+            ):  # a static shape, a denominator still too wide
                 found = [arb.nan()]
             sizes = [x.abs_lower() for x in found]
             if together:
@@ -204,7 +208,7 @@ def until_narrow(compute: Callable[[], list[arb]], what: str, together: bool = F
             if all(x.rad() <= size * 2.0**-54 for x, size in zip(found, sizes, strict=True)):
                 return found
         bits *= 2
-    raise InputError(f"{what} is lost in {_MOST_BITS} bits: another resonance is too close")
+    raise InputError(f"{what} is lost in {MOST_BITS} bits: another resonance is too close")
 
 
 @dataclass(frozen=True)

@@ -54,6 +54,11 @@ class RoundedExpansion(Expansion[Any]):
     balls: Expansion[Any] = field(repr=False)
     bits: int
 
+    def is_rounded(self) -> bool:
+        """Whether its doubles are the balls rounded; somebody may have put in others."""
+        balls = self.balls.orders[: self.order]
+        return self.orders == tuple(_rounded_order(each, self.problem.name) for each in balls)
+
     def certain(self, compute: Callable[[Expansion[Any]], Any], parts: Callable[[Any], Any]) -> Any:
         """``compute`` of the balls' expansion, at a precision that makes its balls accurate.
 

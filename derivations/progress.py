@@ -105,7 +105,7 @@ def duration(seconds: float) -> str:
     >>> duration(41.6), duration(4000.0), duration(1e10)
     ('42 s', '67 minutes', '310 years')
     """
-    unit, length = next((unit for unit in _UNITS if seconds < 100 * unit[1]), _UNITS[-1])
+    unit, length = [each for each in _UNITS if seconds >= 2 * each[1] or each is _UNITS[0]][-1]
     return f"{float(f'{seconds / length:.2g}'):g} {unit}"
 
 

@@ -287,7 +287,7 @@ def test_long_work_is_announced(
     progress_module.announce("work", 30.0)
     assert capsys.readouterr().err == ""
     for seconds, said in ((31, "31 s"), (3e2, "5 minutes"), (2e4, "5.6 hours"), (1e6, "12 days"),
-                          (1e10, "3.1e+02 years")):  # fmt: skip
+                          (1e10, "310 years")):  # fmt: skip
         progress_module.announce("work", seconds)
         assert capsys.readouterr().err == f"work: roughly {said}; Ctrl-C ends it\n"
 
@@ -411,7 +411,7 @@ def test_progress_tells_the_time_left(
             report(done)
     assert capsys.readouterr().err.splitlines() == [
         "simulating: 25 % (777.0 s)",
-        "simulating: 25 % (783.0 s, 9 d left)",
+        "simulating: 25 % (783.0 s, 8.7 days left)",
         "simulating: 50 % (790.0 s, 26 s left)",
     ]
     monkeypatch.undo()
