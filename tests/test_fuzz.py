@@ -17,6 +17,7 @@ SECONDS = 1.0
 SLOW = {"figure2", "threshold"}
 
 
+@pytest.mark.slow
 def test_no_line_crashes_or_calls_a_nan_a_result() -> None:
     fuzz.prepare()
     made = [words for words in lines_made(110) if words[0] not in SLOW]

@@ -36,6 +36,7 @@ def test_the_static_shape(fourth: ClosedForms) -> None:
     assert (diff(w, XI, 2), w.subs(XI, 0), w.subs(XI, 1), diff(w, XI).subs(XI, 1)) == (2, 1, 0, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", range(1, 4))
 def test_contact_conditions_by_taylor(fourth: ClosedForms, n: int) -> None:
     """W(ξ_c) = W_ξ(ξ_c) = 0 through ε³, eq. (BC3) written out by SymPy."""
@@ -70,6 +71,7 @@ def test_text_is_the_expression(which: str, request: pytest.FixtureRequest) -> N
             assert are_equal(sympy.sympify(shape_text(found, n, j)), found.shape_harmonic(n, j))
 
 
+@pytest.mark.slow
 def test_profile_is_the_shape_seen_from_the_contact_point(fourth: ClosedForms) -> None:
     """Σ ε̂^j F_j cos jΩτ at s against w at ξ_c + s: their difference falls like ε⁵."""
     values = {OMEGA: sympy.Rational(83, 100), TAU: sympy.Rational(7, 10)}

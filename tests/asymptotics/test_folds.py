@@ -94,6 +94,7 @@ def test_known_coefficients() -> None:
     assert (half.exponent, half.side) == (Fraction(3, 4), "below")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("driven_end", DRIVEN_ENDS)
 @pytest.mark.parametrize("q", [2, 3])
 def test_alpha_is_the_mode_s_own(q: int, driven_end: str) -> None:
@@ -112,6 +113,7 @@ def test_alpha_is_the_mode_s_own(q: int, driven_end: str) -> None:
     assert abs(equation.alpha.value) > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "q", "beta", "driven_end"),
     [

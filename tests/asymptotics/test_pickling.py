@@ -152,6 +152,7 @@ def test_balls_are_made_again_in_their_own_precision() -> None:
         assert same(again.mode(1), problem.mode(1))
 
 
+@pytest.mark.slow
 def test_frames_forms_and_results_in_a_fresh_process(expansions: list[Expansion[Any]]) -> None:
     exact = expansions[0]
     forms = ClosedForms(exact)

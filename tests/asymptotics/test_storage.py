@@ -273,6 +273,7 @@ PLACES: list[tuple[Any, ...]] = [
 MADE = [set_at(*place)(value) for place in PLACES for value in JUNK]
 
 
+@pytest.mark.slow
 def test_every_value_at_every_place(tmp_path: Path) -> None:
     """Junk in a resealed order 2: refused in one error, or without effect."""
     assert len(MADE) > 600

@@ -315,6 +315,7 @@ def test_the_radius_of_the_series_in_mu_at_q_4() -> None:
         assert abs(found / law.coefficient**-4 - 1) > 0.5
 
 
+@pytest.mark.slow
 def test_strengths_without_digits_to_spare() -> None:
     """Coefficients that cancel to a part in 10³⁰ and less keep their sign and their digits."""
     for p, q in ((7, 50), (1, 40)):

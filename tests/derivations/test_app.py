@@ -57,6 +57,7 @@ def test_derive_json_is_one_object_that_sympy_parses(capsys: pytest.CaptureFixtu
     assert sorted(result["profile"]) == ["0", "1", "2", "3", "4", "5"]
 
 
+@pytest.mark.slow
 def test_derive_writes_every_format(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "new" / "folder"
     assert run("derive", "--order", "3", "--out", str(out), "--plot", str(out / "p.pdf")) == 0

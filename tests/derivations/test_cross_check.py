@@ -48,6 +48,7 @@ def test_the_table_has_a_line_for_each_order_and_quantity():
     assert "2.000" in lines[1]
 
 
+@pytest.mark.slow
 def test_the_figure_is_the_same_twice(tmp_path: Path):
     found = [made_up(0.0, 4), made_up(0.0, 4), made_up(0.01, 3)]
     for name in ("one.svg", "two.svg"):

@@ -107,6 +107,7 @@ def test_changed_bytes(name: str, folder: Path, tmp_path: Path) -> None:
     assert count == CASES if kind is not None else count > CASES / 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "change"), [("checkpoint", harm_npz), ("run", harm_hdf5)])
 def test_changed_contents_with_a_new_seal(
     name: str, change: Callable[[bytes, Random], bytes], folder: Path, tmp_path: Path

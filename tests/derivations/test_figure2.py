@@ -201,6 +201,7 @@ def test_approach_starts_at_the_exact_string() -> None:
     assert found[0]["ratio"] == pytest.approx(0.107 / 0.007)
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on(tmp_path: Path) -> None:
     wanted = [{"beta": 0.0, "omega": omega, "coarse": True} for omega in (2.9, 6.0)]
     calls: list[int] = []
@@ -249,6 +250,7 @@ def test_bad_input_is_one_line(
     assert message in captured.err
 
 
+@pytest.mark.slow
 def test_two_frequencies_from_simulation_to_figure(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -95,6 +95,7 @@ def test_tables_fit_the_column_of_a_letter(tmp_path: Path) -> None:
     assert "Overfull" not in compile_tex(tmp_path, "t.tex")
 
 
+@pytest.mark.slow
 def test_figures_have_the_same_bytes_every_time(tmp_path: Path) -> None:
     result = fold(2, 1, 0.01)
     first, second = (tmp_path / f"{name}.svg" for name in "ab")

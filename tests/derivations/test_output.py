@@ -30,6 +30,7 @@ def command(
     return subprocess.run(line, capture_output=True, env={**os.environ, **environment})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
 def test_help_and_results_in_a_poor_encoding(encoding: str) -> None:
     script = (
@@ -90,6 +91,7 @@ def test_a_full_disk_is_one_error(arguments: tuple[str, ...], unbuffered: str) -
     assert done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments", [(*EVALUATE, "--tau", "0:4000:0.1"), ("derive", "--order", "7"), ("--help",)]
 )
@@ -102,6 +104,7 @@ def test_a_reader_that_leaves_is_no_error(arguments: tuple[str, ...]) -> None:
     assert done.stderr == b""
 
 
+@pytest.mark.slow
 def test_closed_streams() -> None:
     done = command(*EVALUATE, shell=">&-")
     assert done.returncode == 2

@@ -39,6 +39,7 @@ SIMULATE = ("simulate", "--omega", "2.5", "--epsilon", "0.05", "--ramp", "2", "-
             "--keep", "1", "--dx", "0.025")  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "option", "suffixes"),
     [

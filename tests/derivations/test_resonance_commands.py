@@ -64,6 +64,7 @@ def test_fold_at_the_edge_of_doubles(capsys: pytest.CaptureFixture[str]) -> None
     json.loads(capsys.readouterr().out, parse_constant=refuse)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [

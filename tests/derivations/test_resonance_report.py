@@ -101,6 +101,7 @@ def test_no_single_stiffness_has_centres_in_the_ratio_two() -> None:
         assert all(row.agrees for row in figure2_centres((beta,))) is inside
 
 
+@pytest.mark.slow
 def test_figure(tmp_path: Path) -> None:
     table = resonance_table(0.001, "clamped", count=3, order=2)
     drawn = plot_spectrum(tmp_path / "spectrum.svg", table)
@@ -118,6 +119,7 @@ def test_figure(tmp_path: Path) -> None:
     assert (tmp_path / "spectrum.png").stat().st_size > 5_000
 
 
+@pytest.mark.slow
 def test_the_figure_is_of_the_rope_that_was_asked_for(tmp_path: Path) -> None:
     tables = [
         resonance_table(0.01),

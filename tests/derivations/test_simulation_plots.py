@@ -143,6 +143,7 @@ def _hidden_tick(figure: Any, text: Text) -> bool:
     return False
 
 
+@pytest.mark.slow
 def test_figures_are_the_same_bytes_every_time(shedding: Watched, tmp_path: Path) -> None:
     first, second = tmp_path / "a.svg", tmp_path / "b.svg"
     for path in (first, second):

@@ -95,6 +95,7 @@ def test_table() -> None:
         latex_table([])
 
 
+@pytest.mark.slow
 def test_figures_are_the_same_bytes_every_time(tmp_path: Path) -> None:
     first, second = tmp_path / "a.svg", tmp_path / "b.svg"
     results = plot_tongues([(1, 1), (1, 2), (1, 5)], 5, first)

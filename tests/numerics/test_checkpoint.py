@@ -75,6 +75,7 @@ def kept(saved: Path) -> Iterator[Path]:
     assert list(saved.parent.iterdir()) == [saved]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_a_resumed_run_is_the_straight_run_bit_for_bit(name: str, tmp_path: Path) -> None:
     straight = Simulator(*CASES[name])
@@ -234,6 +235,7 @@ print(steps[-1], steps == sorted(steps), interrupted)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")
 def test_killed_while_writing_the_file_is_whole(tmp_path: Path) -> None:
     root = Path(__file__).parents[2]

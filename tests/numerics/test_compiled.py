@@ -60,12 +60,14 @@ def said(where, tmp_path):
     return done.stderr
 
 
+@pytest.mark.slow
 def test_without_a_place_for_a_cache_it_is_compiled_all_the_same(tmp_path):
     """numba's own decorator ends with "cannot cache function"."""
     assert said("nowhere", tmp_path).startswith("compiling, as every time: set NUMBA_CACHE_DIR to")
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_with_a_place_it_is_compiled_once(tmp_path):
     assert [said("there", tmp_path) for _ in range(2)] == ["compiling, once\n", ""]
 

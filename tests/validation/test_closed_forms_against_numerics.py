@@ -86,6 +86,7 @@ def test_the_committed_modules_are_those_compared():
     assert (beam_order3_pinned.shape(xi, tau, 1.3, 0.1, BETA) == bent.shape(xi, tau, 0.1)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["contact", "shape"])
 @pytest.mark.parametrize("order", ORDERS)
 def test_exact_string(order: int, name: str):
@@ -101,6 +102,7 @@ def test_exact_string(order: int, name: str):
     assert found.prefactor(order) == pytest.approx(1, abs=PREFACTOR)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["contact", "shape"])
 @pytest.mark.parametrize("order", ORDERS[:2])
 def test_simulated_string(order: int, name: str):
@@ -110,6 +112,7 @@ def test_simulated_string(order: int, name: str):
     assert found.slope(errors, order) == pytest.approx(order + 1, abs=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["contact", "shape"])
 @pytest.mark.parametrize("order", ORDERS[:3])
 def test_simulated_rope_with_bending(order: int, name: str):
