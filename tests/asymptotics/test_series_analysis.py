@@ -203,13 +203,16 @@ def test_the_golden_series_diverges_by_its_resonances(golden: SeriesAnalysis) ->
 
 # What Padé approximants at order 84, in 640 bits, have: at Ω = 1.2 settled to 1e-8;
 # at Ω = 1.9 branch points, whose estimates still move by as much as given. There, below order 44,
-# no estimate is good enough to be given.
+# no estimate is good enough to be given. At Ω = 2.52955, near 4π/5, order 60 has branch points, and
+# low orders a pole beside them that looks as if it were settled to one per cent.
 @pytest.mark.parametrize(
     ("omega", "order", "known", "within"),
     [
         (1.2, 32, [-0.0341286], 1e-7),
         (1.2, 40, [0.01334976], 1e-8),
         (1.9, 24, None, 0),
+        (2.52955305, 20, None, 0),
+        (2.52955305, 28, [-0.000757 + 0.000097j], 5e-5),
         pytest.param(1.9, 36, None, 0, marks=pytest.mark.slow),
         pytest.param(1.9, 40, None, 0, marks=pytest.mark.slow),
         pytest.param(1.2, 44, [0.01334976], 1e-8, marks=pytest.mark.slow),
@@ -252,7 +255,6 @@ def claims_against(
                 continue
             claims += 1
             gaps = [(abs(f.position - claim.position), f.error) for f in known]
-            print(omega, order, claim, min((g - e) / claim.error for g, e in gaps))
             assert any(gap <= claim.error + error for gap, error in gaps), (omega, order, claim)
             confirmed += any(gap <= claim.error and error <= claim.error for gap, error in gaps)
     return claims, confirmed
@@ -261,14 +263,12 @@ def claims_against(
 def test_errors_hold_against_a_higher_order(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing that is claimed is refuted, and half of it is confirmed by what is no worse."""
     claims, confirmed = claims_against(34, [20, 24, 28], 20, monkeypatch)
-    print(claims, confirmed)
     assert 2 * confirmed >= claims > 3
 
 
 @pytest.mark.slow
 def test_errors_hold_against_order_60(monkeypatch: pytest.MonkeyPatch) -> None:
     claims, confirmed = claims_against(60, [20, 28, 36, 44], 21, monkeypatch)
-    print(claims, confirmed)
     assert 2 * confirmed >= claims > 10
 
 
