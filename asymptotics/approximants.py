@@ -1,9 +1,12 @@
 r"""Rational approximants of a power series: its poles and, by f′/f, its exponents.
 
 Where f has (1 − x/x_c)^{−g}, f′/f has a simple pole with residue −g: so Padé approximants of f show
-poles, those of f′/f (*D log Padé*) also branch points, with their exponents. Both are solved
-exactly for the coefficients given; coefficients that are rounded make poles of their own, which is
-why they should come with many more digits than the result is to have.
+poles, those of f′/f (*D log Padé*) also branch points, with their exponents. The coefficients are
+taken as exact, and both are solved over balls, with so many bits that what is lost on the way does
+not count. Coefficients that are rounded make poles of their own, which is why they should come with
+many more digits than the result is to have.
+
+Everything here is computed in the precision of the moment; :data:`BITS` is enough.
 """
 
 from __future__ import annotations
@@ -14,10 +17,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_poly
+from flint import acb, acb_poly, arb, arb_mat, arb_poly, fmpq
 
-# Denominators, before their roots are isolated, and quotients are rounded to so many bits.
-_BITS = 512
+BITS = 1024
+"""Solving for n/2 coefficients costs some 3n bits: enough for every order within reach."""
+
+# A denominator has to be known to so many bits, and its roots to more than doubles have.
+_KNOWN = 128
+_ROOTS = 1e-24
 
 
 @dataclass(frozen=True)
@@ -40,92 +47,81 @@ class Located:
     residue_error: float
 
 
-def exact_series(series: Sequence[Any]) -> tuple[list[fmpq], float]:
-    """The coefficients of f(x/scale) as they stand, exactly, and the scale: all are of one size.
+def scaled_series(series: Sequence[Any]) -> tuple[list[arb], float]:
+    """The coefficients of f(x·scale) and the scale, a power of 2 that makes them of one size.
 
     Floats, whole numbers, rational numbers and balls, of which the centre counts.
     """
-    values = [_exact(value) for value in series]
-    first, last = next((abs(x) for x in values if x), fmpq(1)), abs(values[-1])
+    values = [_ball(value) for value in series]
+    first, last = next((abs(x) for x in values if x), arb(1)), abs(values[-1])
     power = 0
     if last and len(values) > 1:
-        power = round(float((arb(last) / arb(first)).log() / arb(2).log()) / (len(values) - 1))
-    scale = fmpq(2) ** power
-    return [x / scale**i for i, x in enumerate(values)], 2.0**power
+        power = round(float((first / last).log() / arb(2).log()) / (len(values) - 1))
+    return [x * arb(2) ** (power * i) for i, x in enumerate(values)], 2.0**power
 
 
-def _exact(value: Any) -> fmpq:
-    if isinstance(value, fmpq):
-        return value
+def _ball(value: Any) -> arb:
     if isinstance(value, arb):
-        mantissa, exponent = value.mid().man_exp()
-        return fmpq(mantissa) * fmpq(2) ** int(exponent)
-    return fmpq(*Fraction(value).as_integer_ratio())
+        return value.mid()
+    return arb(value if isinstance(value, fmpq) else fmpq(*Fraction(value).as_integer_ratio()))
 
 
-def pade(series: Sequence[fmpq], top: int, bottom: int) -> list[tuple[complex, complex]]:
+def pade(series: Sequence[arb], top: int, bottom: int) -> list[tuple[complex, complex]]:
     """(pole, residue) of the [top/bottom] approximant, nearest first; empty where there is none.
 
-    >>> [(p, r)] = pade([fmpq(1), fmpq(1, 2), fmpq(1, 4)], 0, 1)     # 2/(2 − x)
-    >>> p, r.real
-    ((2+0j), -2.0)
+    >>> [(p, r)] = pade([arb(1), arb(0.5), arb(0.25)], 0, 1)     # 2/(2 − x)
+    >>> p, r
+    ((2+0j), (-2+0j))
     """
 
-    def entry(i: int) -> fmpq:
-        return series[i] if i >= 0 else fmpq(0)
+    def entry(i: int) -> arb:
+        return series[i] if i >= 0 else arb(0)
 
     indices = range(1, bottom + 1)
-    matrix = fmpq_mat(bottom, bottom, [entry(top + i - k) for i in indices for k in indices])
+    matrix = arb_mat(bottom, bottom, [entry(top + i - k) for i in indices for k in indices])
     try:
-        q = matrix.solve(fmpq_mat(bottom, 1, [-entry(top + i) for i in indices]))
+        q = matrix.solve(arb_mat(bottom, 1, [-entry(top + i) for i in indices]))
     except ZeroDivisionError:
         return []
-    below = [fmpq(1)] + [q[i, 0] for i in range(bottom)]
+    solved = [arb(1)] + [q[i, 0] for i in range(bottom)]
+    largest = max(abs(x).mid() for x in solved)
+    if any(x.rad() * arb(2) ** _KNOWN > largest for x in solved):
+        return []
+    below = [x.mid() for x in solved]
+    while below and not below[-1]:
+        below.pop()
     above = [
-        sum((below[k] * entry(i - k) for k in range(min(i, bottom) + 1)), fmpq(0))
+        sum((below[k] * entry(i - k) for k in range(min(i, len(below) - 1) + 1)), arb(0)).mid()
         for i in range(top + 1)
     ]
-    numerator, denominator = fmpq_poly(above), fmpq_poly(below)
-    rounded = fmpz_poly([_rounded(x, max(below, key=abs)) for x in below])
+    numerator, denominator = acb_poly(arb_poly(above)), acb_poly(arb_poly(below))
+    try:
+        poles: list[acb] = denominator.roots(tol=_ROOTS)
+    except ValueError:
+        return []
     slope = denominator.derivative()
-    roots: Any = rounded.complex_roots()
-    poles = [complex(root) for root, multiplicity in roots if multiplicity == 1]
-    found = [(pole, _value(numerator, pole) / _value(slope, pole)) for pole in poles]
+    found = []
+    for ball in poles:
+        # An isolated root whose ball meets the axis is real: else its conjugate were in it too.
+        pole = acb(ball.real) if ball.imag.contains(0) else ball
+        found.append((complex(pole), complex(numerator(pole) / slope(pole))))
     return sorted(found, key=lambda pair: abs(pair[0]))
 
 
-def _rounded(x: fmpq, largest: fmpq) -> fmpz:
-    scaled = x / abs(largest) * fmpq(2) ** _BITS
-    return scaled.floor()
+def logarithmic_derivative(series: Sequence[arb]) -> list[arb]:
+    """The coefficients of f′/f; f(0) ≠ 0.
 
-
-def _value(poly: fmpq_poly, z: complex) -> complex:
-    total = 0j
-    for i in range(poly.degree(), -1, -1):
-        total = total * z + float(arb(poly[i]))
-    return total
-
-
-def logarithmic_derivative(series: Sequence[fmpq]) -> list[fmpq]:
-    """The coefficients of f′/f, to 512 bits; f(0) ≠ 0.
-
-    >>> logarithmic_derivative([fmpq(1), fmpq(1), fmpq(1), fmpq(1)])       # of 1/(1 − x): the same
-    [1, 1, 1]
+    >>> [float(c) for c in logarithmic_derivative([arb(1)] * 4)]       # of 1/(1 − x): the same
+    [1.0, 1.0, 1.0]
     """
-    quotient: list[fmpq] = []
+    quotient: list[arb] = []
     for i in range(len(series) - 1):
-        known = sum((quotient[k] * series[i - k] for k in range(i)), fmpq(0))
-        quotient.append(_shortened(((i + 1) * series[i + 1] - known) / series[0]))
-    return quotient
+        known = sum((quotient[k] * series[i - k] for k in range(i)), arb(0))
+        quotient.append(((i + 1) * series[i + 1] - known) / series[0])
+    return [x.mid() for x in quotient]
 
 
-def _shortened(x: fmpq) -> fmpq:
-    """x to 512 bits: the denominators of a quotient would grow without end."""
-    bits = _BITS + int(x.q).bit_length() - int(x.p).bit_length()
-    return fmpq((x * fmpq(2) ** bits).floor()) / fmpq(2) ** bits if x else x
-
-
-def located(series: Sequence[fmpq], agree: float) -> list[Located]:
+def located(series: Sequence[arb], agree: float) -> list[Located]:
     """The poles whose error is below ``agree`` of their distance, nearest first."""
     n = len(series)
     half, short = n // 2, max(4, 3 * n // 4)

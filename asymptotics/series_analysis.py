@@ -1,12 +1,7 @@
-r"""Where the ε-series ends: its nearest singularities, estimated from its coefficients.
+r"""Where the ε-series of the string ends: the nearest singularities of its harmonics.
 
-ξ_c's harmonic j is a series :math:`\sum_i c_i x^i` in x = ε², times ε^j. If its nearest singularity
-is :math:`(1 − x/x_c)^{−g}`, then :math:`c_i/c_{i−1} = x_c^{−1}(1 + (g−1)/i + O(i^{−2}))`: the ratio
-method (Domb & Sykes) takes x_c and g from successive ratios. It fails where the nearest ones are a
-complex pair, or several. Padé approximants of f and of f′/f (:mod:`asymptotics.approximants`) see
-several, on the axes and off them; one counts only where both have it, and where it has settled
-between neighbouring approximants and shorter series. What these differ by is its error. Whether it
-is a pole or a branch point is said only where two exponents, of f and of f′, agree.
+ξ_c's harmonic j is a series :math:`\sum_i c_i x^i` in x = ε², times ε^j. What it tells of its
+singularities is estimated in :mod:`asymptotics.singularities`.
 
 **What they find at fixed Ω.** A characteristic's mean return time times Ω is
 :math:`ϱ = 2Ω + γ(Ω) ε^2 + O(ε^4)`, with γ of :func:`rotation_shift`. Harmonic j resonates not at
@@ -20,6 +15,11 @@ diverges at every Ω** and is asymptotic only; the positions are confirmed here 
 reach, the divergence is their consequence and not proved. At a fixed Diophantine ϱ, with Ω
 following, no harmonic resonates and it converges: that is the Lindstedt series of the standard map
 with K = 2εΩ², see :mod:`asymptotics.lindstedt`.
+
+**A pole only from afar.** Resonant harmonic q acts on itself from order 3q on, and the pole gives
+way to branch points within one :func:`island_width` of it. Lower orders do not know of them, and n
+coefficients beyond that order do not resolve what is nearer than |x_c|/n: so much is added to every
+error.
 """
 
 from __future__ import annotations
@@ -27,67 +27,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 from flint import arb
 
-from asymptotics.approximants import Located, exact_series, located, logarithmic_derivative
-from asymptotics.balls import ball_string
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
-from asymptotics.precision import until
+from asymptotics.precision import at_precision
 from asymptotics.problem import float_string
-
-# Fewer coefficients than this say nothing about a singularity.
-_FEWEST = 8
-# Estimates must agree on a singularity to this fraction of its distance: a choice, not a bound. The
-# disagreement found is reported as the error.
-_AGREE = 0.25
-# An exponent counts as settled, and two of them as equal, to this: between poles and their nearest
-# relatives, square roots, lie ½.
-_SETTLED = 0.1
-
-
-@dataclass(frozen=True)
-class Singularity:
-    """An estimated singularity (1 − x/x_c)^{−g} of one harmonic's series in x = ε².
-
-    Attributes
-    ----------
-    harmonic
-        j.
-    method
-        ``ratio`` or ``Padé``.
-    position, error
-        x_c, and the spread of its estimates: between methods, approximants and orders. Of a complex
-        pair the one above the axis.
-    exponent, exponent_error
-        g with its spread; a pole has g = 1. Nan where it is not known.
-    kind
-        ``pole`` or ``branch point`` where two methods agree on g, else ``undecided``.
-    """
-
-    harmonic: int
-    method: str
-    position: complex
-    error: float
-    exponent: float = math.nan
-    exponent_error: float = math.nan
-    kind: str = "undecided"
-
-    def as_json(self) -> dict[str, Any]:
-        """Plain data; ``epsilon`` is |x_c|^{1/2}."""
-        exponent = None if math.isnan(self.exponent) else [self.exponent, self.exponent_error]
-        return {
-            "harmonic": self.harmonic,
-            "method": self.method,
-            "epsilon_squared": [self.position.real, self.position.imag],
-            "error": self.error,
-            "epsilon": math.sqrt(abs(self.position)),
-            "exponent": exponent,
-            "kind": self.kind,
-        }
+from asymptotics.rounded import RoundedExpansion
+from asymptotics.singularities import (
+    AGREE,
+    FEWEST,
+    SETTLED,
+    Singularity,
+    pade_estimates,
+    ratio_estimate,
+)
 
 
 def harmonic_series(expansion: Expansion[float], omega: float, j: int) -> list[float]:
@@ -97,132 +53,13 @@ def harmonic_series(expansion: Expansion[float], omega: float, j: int) -> list[f
     >>> len(series), round(series[0], 6)           # Ω/(2 sin Ω)
     (3, 0.562383)
     """
-    small = 1 / math.sin(omega)
-    orders = range(j or 2, expansion.order + 1, 2)
-    return [(2 if j else 1) * small**n * expansion.contact(n).get(j, 0.0) for n in orders]
+    return _series(expansion, 1 / math.sin(omega), expansion.order, j)
 
 
-def ratio_estimate(series: Sequence[float], harmonic: int = 0) -> Singularity:
-    """x_c and g by the ratio method, with the spread over the last four estimates as errors.
-
-    Competing singularities make the ratios wander and the errors large. Where a coefficient is zero
-    there is no estimate: x_c and its error are nan.
-
-    Raises
-    ------
-    InputError
-        Fewer than 8 coefficients.
-
-    Examples
-    --------
-    >>> geometric = [3.0 * 2.0**-i for i in range(12)]
-    >>> found = ratio_estimate(geometric)
-    >>> found.position, round(found.exponent, 12)
-    ((2+0j), 1.0)
-    """
-    _check_length(series)
-    tail = series[-6:]
-    if 0.0 in tail:
-        return Singularity(harmonic, "ratio", complex(math.nan, math.nan), math.nan)
-    ratios = [b / a for a, b in pairwise(tail)]
-    places, exponents = [], []
-    first = len(series) - len(ratios)
-    for i, (before, ratio) in enumerate(pairwise(ratios), start=first + 1):
-        inverse = i * ratio - (i - 1) * before
-        places.append(1 / inverse if inverse else math.inf)
-        exponents.append(1 + i * (ratio / inverse - 1) if inverse else math.nan)
-    return Singularity(
-        harmonic,
-        "ratio",
-        complex(places[-1]),
-        max(places) - min(places),
-        exponents[-1],
-        max(exponents) - min(exponents),
-    )
-
-
-def _check_length(series: Sequence[float]) -> None:
-    if len(series) < _FEWEST:
-        raise InputError(
-            f"{len(series)} coefficients are too few to locate a singularity; give at least "
-            f"{_FEWEST}, hence a higher order"
-        )
-
-
-def pade_estimates(series: Sequence[Any], harmonic: int = 0) -> list[Singularity]:
-    """Singularities on which the Padé approximants of f and of f′/f agree, nearest first.
-
-    The coefficients (floats, rational numbers, or balls, of which the centre counts) are taken as
-    exact. The error is the distance between the two methods or, when larger, the smaller of their
-    own (:class:`asymptotics.approximants.Located`), and |x_c| (|g − 1| + δg)/n for n coefficients.
-
-    Raises
-    ------
-    InputError
-        Fewer than 8 coefficients.
-
-    Examples
-    --------
-    Two poles and an entire part:
-
-    >>> series = [0.5**i + (-0.4) ** i + 1 / math.factorial(i) for i in range(20)]
-    >>> [round(found.position.real, 6) for found in pade_estimates(series)][:2]
-    [2.0, -2.5]
-    """
-    _check_length(series)
-    values, scale = exact_series(series)
-    if not values[0]:
-        return []
-    rate = [i * c for i, c in enumerate(values)][1:]
-    poles = located(values, _AGREE)
-    first = located(logarithmic_derivative(values), _AGREE)
-    second = located(logarithmic_derivative(rate), _AGREE) if rate[0] else []
-    found = []
-    for pole in poles:
-        partner = _partner(pole, first)
-        # f′/f has residue −g; a zero of f has residue 1 and is no singularity.
-        if pole.position.imag < 0 or partner is None or abs(partner.residue - 1) <= _SETTLED:
-            continue
-        gap, best = abs(pole.position - partner.position), min(pole, partner, key=_error)
-        exponent, spread = -partner.residue, partner.residue_error
-        # A pole stands for (1 − x/x_c)^{−g} only up to |g − 1|/n of x_c, by the ratio method.
-        model = abs(best.position) * (abs(exponent - 1) + spread) / len(values)
-        error = max(gap, best.error) + model
-        if error <= _AGREE * abs(best.position):
-            kind = _kind(exponent, spread, _partner(pole, second))
-            found.append(
-                Singularity(
-                    harmonic,
-                    "Padé",
-                    best.position / scale,
-                    error / scale,
-                    exponent.real,
-                    max(spread, abs(exponent.imag)),
-                    kind,
-                )
-            )
-    return sorted(found, key=lambda singularity: abs(singularity.position))
-
-
-def _error(found: Located) -> float:
-    return found.error
-
-
-def _partner(pole: Located, others: list[Located]) -> Located | None:
-    """The nearest of the others, where it is within the errors."""
-    nearest = min(others, key=lambda z: abs(z.position - pole.position), default=None)
-    if nearest is None or abs(nearest.position - pole.position) > pole.error + nearest.error:
-        return None
-    return nearest
-
-
-def _kind(exponent: complex, spread: float, derivative: Located | None) -> str:
-    """What g from f′/f and g + 1 from f″/f′ say together."""
-    if derivative is None or max(spread, derivative.residue_error) > _SETTLED:
-        return "undecided"
-    if abs(exponent - (-derivative.residue - 1)) > _SETTLED:
-        return "undecided"
-    return "pole" if abs(exponent - 1) <= _SETTLED else "branch point"
+def _series(expansion: Expansion[Any], small: Any, order: int, j: int) -> list[Any]:
+    """The same for ε̂ = ``small`` · ε."""
+    orders = range(j or 2, order + 1, 2)
+    return [(2 if j else 1) * small**n * expansion.contact(n).get(j, 0 * small) for n in orders]
 
 
 def rotation_shift(omega: float) -> float:
@@ -246,6 +83,50 @@ def resonance_pole(omega: float, j: int) -> float:
     """
     nearest = round(j * omega / math.pi) * math.pi
     return 2 * (nearest - j * omega) / (j * rotation_shift(omega))
+
+
+def island_width(omega: float, strength: float) -> float:
+    r"""How far from its pole at x_c, in x = ε², a resonance bends the series.
+
+    Next to the pole the return map of ψ = qΩτ is a pendulum: ψ gains 2qΩh, and h, by which ξ_c is
+    off the resonance, loses F sin ψ. To first order h = h₀ + A cos ψ, A = F/(2qΩh₀), which has the
+    pole: h₀ = γ(x − x_c)/(2Ω). Its islands reach to |h| = √(2F/qΩ) = 2√(A h₀), that is
+
+    .. math:: |x − x_c| = 2 \sqrt{2Ω S/|γ|}, \qquad S = |x_c|^{q/2} |r|
+
+    where harmonic q, a series in x times ε^q, has the residue r. There circulation ends, and with
+    it the tori on which the series expands. Branch points are found nearer to the pole, at 0.4 of
+    it where that is known (4Ω near π, 5Ω near 4π).
+
+    >>> round(island_width(0.83, 1e-6), 5)
+    0.00448
+    """
+    return 2 * math.sqrt(2 * omega * strength / abs(rotation_shift(omega)))
+
+
+def _with_islands(found: Sequence[Singularity], omega: float, order: int) -> list[Singularity]:
+    """Padé estimates with what is unresolved of the islands in their errors.
+
+    q is the harmonic that is largest at the singularity, among those in which it was found.
+    """
+    out = []
+    for one in found:
+        distance = abs(one.position)
+        strength, q = max(
+            (distance ** (other.harmonic / 2) * abs(other.residue), other.harmonic)
+            for other in found
+            if abs(other.position - one.position) <= one.error + other.error
+        )
+        width = island_width(omega, strength)
+        if order > 3 * q:
+            width = min(width, 2 * distance / (order - 3 * q))
+        error = one.error + width
+        if error <= AGREE * distance:
+            # n coefficients tell a pole of a width w from a point only by n w/|x_c|.
+            spread = one.exponent_error + (order - one.harmonic) / 2 * width / distance
+            kind = one.kind if spread <= SETTLED else "undecided"
+            out.append(replace(one, error=error, exponent_error=spread, kind=kind))
+    return out
 
 
 @dataclass(frozen=True)
@@ -273,18 +154,18 @@ class SeriesAnalysis:
     def nearest(self) -> Singularity | None:
         """The nearest singularity on which both Padé methods agree for some harmonic.
 
-        Its error is widened to what other harmonics have within it. None where no two estimates
+        The best of those harmonics that may have the same one, its error widened to cover what
+        others say that are nearly as good, within twice its error. None where no two estimates
         agree. Nearer ones, too weak to be seen at this order, are not excluded.
         """
         poles = [found for found in self.singularities if found.method == "Padé"]
         first = min(poles, key=lambda found: abs(found.position), default=None)
         if first is None:
             return None
-        gaps = [(abs(found.position - first.position), found.error) for found in poles]
-        return replace(
-            first,
-            error=max(max(gap, first.error) for gap, error in gaps if gap <= first.error + error),
-        )
+        same = [f for f in poles if abs(f.position - first.position) <= f.error + first.error]
+        best = min(same, key=lambda found: found.error)
+        gaps = [abs(f.position - best.position) for f in same if f.error <= 2 * best.error]
+        return replace(best, error=max(best.error, *gaps))
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -298,33 +179,11 @@ class SeriesAnalysis:
         }
 
 
-def _exact_harmonics(omega: float, order: int) -> dict[int, list[arb]]:
-    """As :func:`harmonic_series`, in balls, of every harmonic that has enough coefficients."""
-
-    def compute() -> dict[int, list[arb]]:
-        expansion = expand(ball_string(omega), order)
-        small = 1 / arb(omega).sin()
-        return {
-            j: [
-                (2 if j else 1) * small**n * expansion.contact(n).get(j, arb(0))
-                for n in range(j or 2, order + 1, 2)
-            ]
-            for j in range(order + 2 - 2 * _FEWEST)
-        }
-
-    def settled(rows: dict[int, list[arb]]) -> bool:
-        digits = 4 * order + 53
-        return all(c.rel_accuracy_bits() >= digits for row in rows.values() for c in row)
-
-    what = f"the series at Omega = {omega!r}, order {order}"
-    return until(settled, compute, what, 8 * order + 64)[0]
-
-
 def analyse_series(omega: float, order: int = 60) -> SeriesAnalysis:
     """Expand the string at Ω and look for the singularities of every harmonic.
 
-    The coefficients are computed with 4N digits in base 2 more than doubles have: Padé approximants
-    lose some two digits a coefficient.
+    The approximants are made of the balls behind :func:`~asymptotics.problem.float_string`, of
+    64 + 4N bits or more: the rounding of doubles makes poles of its own.
 
     Raises
     ------
@@ -338,13 +197,15 @@ def analyse_series(omega: float, order: int = 60) -> SeriesAnalysis:
     (0.0196, 0.0198)
     """
     order = check_order(order)
-    if order < 2 * _FEWEST:
+    if order < 2 * FEWEST:
         raise InputError(f"order = {order} gives too few coefficients; give at least 16")
     expansion = expand(float_string(omega, order), order)
     found: list[Singularity] = []
-    for j, values in _exact_harmonics(float(omega), order).items():
-        series = harmonic_series(expansion, omega, j)
-        found += [*pade_estimates(values, j), ratio_estimate(series, j)]
+    ratios: list[Singularity] = []
+    for j, values in enumerate(_ball_series(expansion, omega)):
+        found += pade_estimates(values, j)
+        ratios.append(ratio_estimate([float(value) for value in values], j))
+    found = _with_islands(found, omega, order) + ratios
     found.sort(key=lambda s: (s.method != "Padé", abs(s.position)))
     growth = []
     for n in range(1, order + 1):
@@ -354,3 +215,11 @@ def analyse_series(omega: float, order: int = 60) -> SeriesAnalysis:
         ((j, resonance_pole(omega, j)) for j in range(1, order + 1)), key=lambda p: abs(p[1])
     )
     return SeriesAnalysis(float(omega), order, tuple(growth), tuple(found), tuple(poles))
+
+
+def _ball_series(expansion: Expansion[float], omega: float) -> list[list[arb]]:
+    """As :func:`harmonic_series`, in balls, of every harmonic that has enough coefficients."""
+    assert isinstance(expansion, RoundedExpansion)
+    with at_precision(expansion.bits):
+        small, order = 1 / arb(float(omega)).sin(), expansion.order
+        return [_series(expansion.balls, small, order, j) for j in range(order + 2 - 2 * FEWEST)]
