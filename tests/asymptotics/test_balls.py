@@ -222,6 +222,7 @@ def test_the_emitted_module_keeps_its_bounds(modules: dict[int, ModuleType], ord
     assert max(ratios) >= 1e-4
 
 
+@pytest.mark.slow
 def test_evaluate_is_right_to_its_rounding() -> None:
     """N³ products of size Σ terms, powers of the cotangents right to a few units: see the ratio."""
     order, ratios = 6, []

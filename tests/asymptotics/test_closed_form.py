@@ -59,6 +59,7 @@ def test_both_styles_are_the_same_functions(forms: ClosedForms, circular: Closed
         assert are_equal(forms.shape(n).expression, circular.shape(n).expression)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["forms", "circular"])
 def test_text_is_the_expression(which: str, request: pytest.FixtureRequest) -> None:
     found: ClosedForms = request.getfixturevalue(which)

@@ -177,6 +177,7 @@ def test_F_holds_against_small_detunings(p: int, q: int, driven_end: str) -> Non
     assert table[0] == pytest.approx(result.F.value, rel=1e5 * EPS)
 
 
+@pytest.mark.slow
 def test_order_and_place_of_the_poles() -> None:
     """ξ_{n,q} has the pole the amplitude equation says, and none of the next order."""
     with mpmath.workdps(30):
@@ -187,6 +188,7 @@ def test_order_and_place_of_the_poles() -> None:
                 assert abs(near(n, pole + beyond)) < 1e-12
 
 
+@pytest.mark.slow
 def test_the_series_in_epsilon_ends_at_the_fold() -> None:
     """ξ_{n,1} at fixed μ is a series in ε² whose branch point is the fold, up to O(μ).
 

@@ -187,6 +187,7 @@ def close(found: Any, wanted: Any) -> bool:
     return abs(found - wanted) <= mpf(10) ** -DIGITS * max(abs(wanted), mpf(10) ** -6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("column", COLUMNS)
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize("order", [4, 5])
@@ -272,6 +273,7 @@ def test_same_bytes_under_any_hash_seed() -> None:
         assert run.stdout == here
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 def test_source_lines_are_short_even_at_order_ten(style: str) -> None:
     for column in COLUMNS:
@@ -434,6 +436,7 @@ def check_log(log: str) -> None:
     assert max(edges) <= 0.0
 
 
+@pytest.mark.slow
 @needs_latex
 @pytest.mark.parametrize("column", COLUMNS)
 @pytest.mark.parametrize("style", STYLES)

@@ -58,6 +58,7 @@ def test_weak_bending_has_the_right_remainder(end: str) -> None:
     assert np.log10(error[0] / error[1])[0] == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_forty_two_per_cent_is_pinned() -> None:
     pinned, clamped = stiff_limit("pinned"), stiff_limit("clamped")
     assert round(100 * pinned.increase) == 42

@@ -138,6 +138,7 @@ def test_derivatives_by_finite_differences(end: str) -> None:
     assert errors == pytest.approx([2.0] * 4, abs=0.02)
 
 
+@pytest.mark.slow
 def test_closed_form_conditions_follow_from_the_boundary_values() -> None:
     """SymPy: both conditions of the module from the general solution and its five conditions."""
     y, z, s = sympy.symbols("y z s", positive=True)

@@ -353,6 +353,7 @@ def damage(content: Any, rng: random.Random) -> None:
         parent.reverse()
 
 
+@pytest.mark.slow
 def test_random_damage_is_refused_or_without_effect(tmp_path: Path) -> None:
     """400 resealed files, one or two changes each."""
     rng, refused = random.Random(11), 0

@@ -60,6 +60,7 @@ def test_slips_do_not(name):
     assert not is_identically_zero(SLIPS[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 4, 6])
 def test_the_two_styles_of_closed_forms_are_the_same_functions(order):
     solution = expand(exact_string(), order=order)
@@ -89,6 +90,7 @@ def expressions() -> st.SearchStrategy[sympy.Expr]:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(expressions())
 def test_against_evaluation_with_fifty_digits(expression):

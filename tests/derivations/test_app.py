@@ -80,6 +80,7 @@ def test_derive_writes_every_format(tmp_path: Path, capsys: pytest.CaptureFixtur
         assert row[1] == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", ["text", "latex", "numpy", "json"])
 def test_one_format_goes_to_the_screen(format: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("derive", "--order", "2", "--format", format) == 0
@@ -126,6 +127,7 @@ def test_beyond_the_last_page_the_useful_formats_are_written(
     assert {Path(name).name for name in json.loads(captured.out)["files"]} == useful
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_figures_are_the_same_bytes_every_time(tmp_path: Path, suffix: str) -> None:
     for name in ("a", "b"):
@@ -303,6 +305,7 @@ def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess[
     )
 
 
+@pytest.mark.slow
 def test_another_package_of_our_name_is_told(tmp_path: Path) -> None:
     (tmp_path / "asymptotics").mkdir()
     (tmp_path / "asymptotics" / "__init__.py").write_text("", encoding="utf-8")

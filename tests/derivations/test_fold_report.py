@@ -84,6 +84,7 @@ def test_table_has_a_column_a_fold() -> None:
         fold_table([])
 
 
+@pytest.mark.slow
 @needs_latex
 def test_tables_fit_the_column_of_a_letter(tmp_path: Path) -> None:
     results = [fold(1, 3, 0.01, "clamped"), fold(3, 4, 1e-6, "clamped"), fold(1, 1, 1e-7)]

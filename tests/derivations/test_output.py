@@ -68,6 +68,7 @@ def test_the_cross_check_in_a_poor_encoding() -> None:
     assert b"epsilon" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_file_name_that_is_no_text_is_printed_as_it_is(tmp_path: Path) -> None:
     name = os.fsencode(tmp_path) + b"/\xff.png"
     done = command(*EVALUATE, "--plot", os.fsdecode(name))

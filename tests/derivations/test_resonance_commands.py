@@ -49,6 +49,7 @@ def test_fold(capsys: pytest.CaptureFixture[str]) -> None:
     assert 0.01 < found["range"]["mu"] < 0.05
 
 
+@pytest.mark.slow
 def test_fold_at_the_edge_of_doubles(capsys: pytest.CaptureFixture[str]) -> None:
     """JSON has no NaN, whatever β; the law has a limit as β → ∞."""
 

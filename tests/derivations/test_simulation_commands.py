@@ -155,6 +155,7 @@ def test_an_interrupted_run_goes_on_from_its_checkpoint(
         assert found[name] == whole[name]
 
 
+@pytest.mark.slow
 def test_out_holds_the_periods_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "new" / "run.nc"
     found = answer(capsys, *SHEDS, "--out", str(path))
@@ -177,6 +178,7 @@ def test_out_holds_the_periods_kept(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert path.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plot, animation = tmp_path / "new" / "rope.png", tmp_path / "rope.gif"
     files = ("--plot", str(plot), "--animate", str(animation))

@@ -105,6 +105,7 @@ def test_the_lines_are_those_of_the_run(shedding: Watched) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["following", "shedding"])
 def test_no_two_labels_overlap(name: str, request: pytest.FixtureRequest) -> None:
     run = request.getfixturevalue(name).run
@@ -152,6 +153,7 @@ def test_figures_are_the_same_bytes_every_time(shedding: Watched, tmp_path: Path
     assert 20_000 < first.stat().st_size < 1_000_000
 
 
+@pytest.mark.slow
 def test_the_animation(tmp_path: Path) -> None:
     run = watched(3.1, 0.08, keep=1.0).run
     first, second = (tmp_path / "new" / f"{name}.gif" for name in "ab")

@@ -155,6 +155,7 @@ def whole_rounds(bands, right, obstacle, active) -> tuple[np.ndarray, np.ndarray
     return x, held, rounds, least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 def test_rounds_over_what_changed_are_whole_rounds_to_the_bit(seed):
     """Lifted pieces of all lengths, apart by a node or more; any start, ground not everywhere."""

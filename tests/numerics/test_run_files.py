@@ -220,6 +220,7 @@ def test_another_run_does_not_replace_it(kept: Path) -> None:
         save(other, kept)
 
 
+@pytest.mark.slow
 def test_a_longer_run_of_the_same_specification_replaces_it(kept: Path, run: Run) -> None:
     short = simulate(PROBLEM, 2.0, GRID, 0.02)
     with pytest.raises(FileError, match=r"up to tau = 12, longer than to 2.*left as it is"):
@@ -251,6 +252,7 @@ def test_a_missing_package_is_named(
             attempt()
 
 
+@pytest.mark.slow
 def test_xarray_is_imported_when_it_is_needed() -> None:
     code = "import sys, numerics.run_files; print({'xarray', 'h5py'} & set(sys.modules))"
     root = Path(__file__).parents[2]

@@ -167,6 +167,7 @@ def spoil(source: str, name: str) -> str:
     return changed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", ORDERS)
 def test_one_per_cent_in_the_emitted_source_shows(order: int):
     """The size of the error would no longer be that of the next term, as required above."""
