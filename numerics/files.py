@@ -102,7 +102,7 @@ def is_there(path: Path) -> bool:
     """
     try:
         path.stat()
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return False
     except OSError:  # whoever reads it will say which
         return True
