@@ -13,7 +13,7 @@ from flint import arb
 
 from asymptotics import Expansion, exact_string, expand, float_string, moving_frame, prove, string
 from asymptotics.balls import ball_damped_string, ball_string
-from asymptotics.beam import beam, float_beam
+from asymptotics.beam import beam, float_beam, static_beam
 from asymptotics.beam_numbers import balls, digits
 from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.cotangent import CotangentRing
@@ -22,6 +22,7 @@ from asymptotics.enclosures import WIDEST, enclosures
 from asymptotics.errors import InputError
 from asymptotics.forcing import forced_string, fourier_drive
 from asymptotics.forcing_generators import generator_string
+from asymptotics.images import image_of_problem
 from asymptotics.precision import at_precision
 from asymptotics.proof import OrderProof, RefutedError, residuals
 from asymptotics.rings import FloatRing
@@ -112,10 +113,10 @@ def test_height_and_slope_at_the_contact_point_are_two_conditions(sixth: Expansi
 
 def test_only_the_driven_end_fails(sixth: Expansion) -> None:
     """Another weight of the drive in the problem's own words."""
-    problem = replace(sixth.problem, end_unit=lambda j: RING.rational(2) * RING.omega)
+    problem = replace(sixth.problem, end_unit=lambda j: (RING.rational(2) * RING.omega,))
     proofs = refuted(Expansion(problem, sixth.orders), "order 1: REFUTED .* driven end NOT 0")
     assert [faults(proof) for proof in proofs] == [set(), {"driven_end"}] + [set()] * 5
-    problem = replace(sixth.problem, end_residual=lambda j, w: w[0])
+    problem = replace(sixth.problem, end_residual=lambda j, w: (w[0],))
     proofs = refuted(Expansion(problem, sixth.orders))
     assert faults(proofs[1]) == faults(proofs[2]) == {"driven_end"}
 
@@ -356,6 +357,81 @@ def test_wrong_numbers_are_inconsistent(name: str) -> None:
     assert faults(refuted(wrong)[0]) == {"equation"}
     lost = {j: c for j, c in expansion.contact(1).items() if j != max(expansion.contact(1))}
     refuted(changed(expansion, 1, contact=lost), "order 1: inconsistent")
+
+
+def along_the_kernel(expansion: Expansion, condition: int, change: Any) -> Expansion:
+    """w″ and w‴ of the last harmonic moved so that one condition of the driven end sees nothing."""
+    n, problem = expansion.order, expansion.problem
+    ring = problem.ring
+    units = ([ring.one if i == k else ring.zero for i in range(4)] for k in (2, 3))
+    x, y = (problem.end_residual(n, unit)[condition] for unit in units)
+    second, third = change * y, ring.rational(-1) * change * x
+    w = expansion.shape(n)[n]
+    shape = dict(expansion.shape(n)) | {n: (*w[:2], w[2] + second, w[3] + third)}
+    c = expansion.contact(n)[n] - second * problem.inverse_leading  # w″ + a₃ξ = …
+    return changed(expansion, n, shape=shape, contact=dict(expansion.contact(n)) | {n: c})
+
+
+BEAMS = ("pinned", "clamped", "thin layer", "thin clamped layer", "stiff", "complex", "digits")
+
+
+@pytest.mark.parametrize("condition", [0, 1])
+def test_each_condition_of_a_beams_driven_end_is_checked(condition: int) -> None:
+    def refute(expansion: Expansion, change: Any, word: str) -> None:
+        n = expansion.order
+        wrong = along_the_kernel(expansion, condition, change)
+        proofs = refuted(wrong, f"order {n}: {word}")
+        assert [faults(proof) for proof in proofs] == [set()] * n + [{"driven_end"}]
+
+    for name in BEAMS:
+        expansion = NUMBERS[name]
+        n, problem = expansion.order, expansion.problem
+        unit = problem.end_residual(n, [problem.ring.rational(int(i == 3)) for i in range(4)])
+        change = expansion.shape(n)[n][2] / (1000 * unit[condition])
+        refute(expansion, change, "inconsistent")
+    with at_precision(128):
+        for driven_end in ("pinned", "clamped"):
+            refute(expand(beam(0.01, 2.2, driven_end, balls()), 3), arb("1e-12"), "REFUTED")
+    symbolic = expand_symbolic(3)
+    refute(symbolic, symbolic.problem.ring.one, "REFUTED")
+
+
+@pytest.mark.parametrize("condition", [0, 1])
+@pytest.mark.parametrize("driven_end", ["pinned", "clamped"])
+@pytest.mark.parametrize("beta", [1e-6, 0.01, 1.0])
+def test_each_condition_of_a_beams_static_shape_is_checked(
+    beta: float, driven_end: str, condition: int
+) -> None:
+    """Another contact point, and the a₃ for which one of the conditions holds there."""
+    right = static_beam(beta, driven_end)
+    moved = replace(right, contact_point=right.contact_point * 1.01)
+    problem = beam(beta, 2.2, driven_end, static=moved)
+    none, one = (
+        problem.static_end_residual(lambda d, a3=a3: a3 if d == 3 else problem.static(d))[condition]
+        for a3 in (0.0, 1.0)
+    )
+    shape = replace(moved, a3=none / (none - one))
+    wrong = replace(beam(beta, 2.2, driven_end, static=shape), balls=None)
+    proofs = refuted(expand(wrong, 2), "order 0: inconsistent")
+    assert [faults(proof) for proof in proofs] == [{"driven_end"}, set(), set()]
+
+
+@pytest.mark.parametrize("name", ["string", "pinned", "clamped", "viscous"])
+def test_an_image_leaves_of_each_condition_what_the_problem_does(name: str) -> None:
+    """For any derivatives: here none that solve anything."""
+    problem = NUMBERS[name].problem
+    image = image_of_problem(problem, problem.ring, lambda x: x)
+
+    def static(d: int) -> float:
+        return (0.3, -0.7, 1.9, -2.3, 5.1)[d]
+
+    assert image.static_end_residual(static) == pytest.approx(problem.static_end_residual(static))
+    for j in (0, 1, 3):
+        w = [0.4, -1.7, 2.9, 0.8, 3.3][: len(problem.mode(j).reduction) + 1]
+        assert image.end_residual(j, w[:-1]) == pytest.approx(problem.end_residual(j, w[:-1]))
+        assert image.equation_residual(j, w) == pytest.approx(problem.equation_residual(j, w))
+        if j:
+            assert image.end_unit(j) == problem.end_unit(j)
 
 
 def test_at_some_phases_a_harmonic_vanishes() -> None:
