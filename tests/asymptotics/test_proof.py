@@ -22,7 +22,7 @@ from asymptotics.enclosures import WIDEST, enclosures
 from asymptotics.errors import InputError
 from asymptotics.forcing import forced_string, fourier_drive
 from asymptotics.forcing_generators import generator_string
-from asymptotics.images import image_of_problem
+from asymptotics.images import MajorantRing, image_of_problem
 from asymptotics.precision import at_precision
 from asymptotics.proof import OrderProof, RefutedError, residuals
 from asymptotics.rings import FloatRing
@@ -443,6 +443,14 @@ def test_at_some_phases_a_harmonic_vanishes() -> None:
     nothing = replace(expansion.orders[0], contact={}, shape={})
     problem = replace(expansion.problem, drive={1: 0j})
     assert "missing" in faults(refuted(Expansion(problem, (nothing,)))[1])
+
+
+def test_magnitudes_only_add_up() -> None:
+    ring = MajorantRing(even=False)
+    assert (ring.zero, ring.one, ring.rational(-3), ring.rational(-3, 2)) == (0.0, 1.0, 3.0, 1.5)
+    assert (ring.sum([]), ring.sum([ring.rational(-1), 2.0])) == (0.0, 3.0)
+    assert ring.is_zero(ring.zero)
+    assert not ring.is_zero(np.array([0.0, 1e-300]))
 
 
 def test_numbers_that_are_none_are_inconsistent() -> None:
