@@ -102,6 +102,8 @@ def test_a_double_root_that_is_not_there() -> None:
     """μa = Fε + αa³ with the wrong sign of μ has none; nor has a linear equation."""
     assert math.isnan(double_root([np.array([-1.0, -1.5]), np.array([0.0, 0, 0, -0.5])]))
     assert math.isnan(double_root([np.array([-1.0, 1.5])]))
+    # One term alone: no equation is left for y.
+    assert math.isnan(double_root([np.array([1.0, 0.0])]))
 
 
 @dataclass

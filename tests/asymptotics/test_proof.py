@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from flint import arb
@@ -256,7 +257,8 @@ def test_the_enclosures_see_each_coefficient(sixth: Expansion) -> None:
 
 
 def test_the_enclosures_know_the_static_shape(sixth: Expansion) -> None:
-    for derivatives in ((0, 0, 4), (1, 0, 2), (0, 1, 2), (0, 0, 2, 1)):
+    last = (0, 0, 2, 0, 0, 0, 0, 1)  # a_{N+1}, the highest derivative that order N uses
+    for derivatives in ((0, 0, 4), (1, 0, 2), (0, 1, 2), (0, 0, 2, 1), last):
         problem = replace(sixth.problem, static=parabola(*derivatives))
         points = enclosures(Expansion(problem, sixth.orders))
         assert not any(point.static or point.holds for point in points)
@@ -284,6 +286,19 @@ def test_balls_that_stay_wide_are_no_enclosure(
     point = enclosures(sixth, points=1)[0]
     assert 0 < point.radius < 1e-60
     assert not any(point.orders)
+
+
+def test_the_refutation_names_the_point_and_the_order(sixth: Expansion) -> None:
+    """Not the first point, which holds; order 0 is the static shape."""
+    proof = prove(sixth)
+    first, second, third = proof.enclosures
+    for wrong, order in (
+        (replace(second, orders=(True, True, False, False, True, True)), 3),
+        (replace(second, static=False), 0),
+    ):
+        message = str(RefutedError(replace(proof, enclosures=(first, wrong, third))))
+        assert message.startswith(f"order {order}: REFUTED at Omega = {second.omega}, tau = ")
+        assert second.omega != first.omega
 
 
 def test_the_certificate_says_what_the_proof_is_relative_to(sixth: Expansion) -> None:
@@ -451,6 +466,16 @@ def test_magnitudes_only_add_up() -> None:
     assert (ring.sum([]), ring.sum([ring.rational(-1), 2.0])) == (0.0, 3.0)
     assert ring.is_zero(ring.zero)
     assert not ring.is_zero(np.array([0.0, 1e-300]))
+
+
+def test_digits_are_held_to_the_digits_they_have_and_doubles_to_theirs() -> None:
+    with mpmath.workdps(50):
+        expansion = expand(beam("0.01", "2.2", numbers=digits()), 2)
+        assert max(max(proof.sizes) for proof in prove(expansion)) < 1e-48
+        contact = {j: c * (1 + mpmath.mpf(10) ** -30) for j, c in expansion.contact(2).items()}
+        assert faults(refuted(changed(expansion, 2, contact=contact))[2]) == {"contact"}
+        assert prove(NUMBERS["string"]).holds
+        assert prove(NUMBERS["damped"]).holds
 
 
 def test_numbers_that_are_none_are_inconsistent() -> None:
