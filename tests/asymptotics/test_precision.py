@@ -108,7 +108,7 @@ def test_the_doubling_ends() -> None:
 
     assert until(lambda bits: bits >= 500, compute, "a test", 100) == (800, 800)
     assert tried == [100, 200, 400, 800]
-    with pytest.raises(PrecisionError, match="^a test needs more than 8192 bits") as caught:
+    with pytest.raises(PrecisionError, match=r"^a test needs more than 8192 bits") as caught:
         until(lambda bits: False, compute, "a test", 4096)
     assert caught.value.partial == MOST_BITS
     assert doubled(MOST_BITS - 1, "a test", None) == 2 * MOST_BITS - 2
