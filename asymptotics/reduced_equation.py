@@ -40,7 +40,7 @@ from asymptotics.beam_waves import StaticBeam, Waves, waves
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, expand
 from asymptotics.harmonics import Terms, multiply_into
-from asymptotics.precision import at_precision
+from asymptotics.precision import PrecisionError, at_precision
 from asymptotics.problem import Mode, Problem
 from asymptotics.rings import FloatRing
 
@@ -196,7 +196,7 @@ def until_narrow(compute: Callable[[], list[arb]], what: str, together: bool = F
         with at_precision(bits):
             try:
                 found = compute()
-            except (InputError, ValueError):  # a static shape, a denominator still too wide
+            except (PrecisionError, ValueError):  # a static shape, a denominator still too wide
                 found = [arb.nan()]
             sizes = [x.abs_lower() for x in found]
             if together:
