@@ -148,8 +148,8 @@ def static_end_residuals(
     root = numbers.sqrt(beta)
     x, e = length / root, numbers.exp(-length / root)
     odd, even = a(3) * beta * root, a(4) * beta * beta
-    twice_cosh, twice_sinh = 1 + e * e, 1 - e * e
+    less, more = 1 - e, 1 + e  # 2e cosh x − 2e = (1 − e)² without the cancellation
     if shape.driven_end == "clamped":
         height = odd * (x - 1 + e) - even * (x * x / 2 - x + 1 - e) - 1
-        return height, (2 * e * x - twice_sinh) * even + (twice_cosh - 2 * e) * odd
-    return odd * x - even * x * x / 2 - 1, (twice_cosh - 2 * e) * even - twice_sinh * odd
+        return height, (2 * e * x - less * more) * even + less * less * odd
+    return odd * x - even * x * x / 2 - 1, less * less * even - less * more * odd

@@ -460,6 +460,15 @@ def test_at_some_phases_a_harmonic_vanishes() -> None:
     assert "missing" in faults(refuted(Expansion(problem, (nothing,)))[1])
 
 
+@pytest.mark.parametrize(
+    ("beta", "driven_end"),
+    [(1e10, "pinned"), (1e16, "pinned"), (1e30, "pinned"), (1e10, "clamped")],
+)
+def test_a_very_stiff_beam_is_consistent(beta: float, driven_end: str) -> None:
+    """The growing solution, as large as the rest at ξ₀, hides no digits of W₀ = 1."""
+    assert prove(expand(float_beam(beta, 2.2, 2, driven_end), 2)).holds
+
+
 def test_magnitudes_only_add_up() -> None:
     ring = MajorantRing(even=False)
     assert (ring.zero, ring.one, ring.rational(-3), ring.rational(-3, 2)) == (0.0, 1.0, 3.0, 1.5)
