@@ -22,7 +22,6 @@ from :mod:`asymptotics.static_shape`, whose forms do not.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -189,15 +188,6 @@ def beam(
     def equation_residual(j: int, w: Any) -> Any:
         return w[2] + (j * omega) * (j * omega) * w[0] - beta * w[4]
 
-    def end_residual(j: int, w: Any) -> Any:
-        # Clamped, the growing solutions would cancel in the plain sum.
-        first, second = end_residuals(wave(j), w)
-        return first + 2 * second
-
-    def static_end_residual(a: Callable[[int], Any]) -> Any:
-        first, second = static_end_residuals(replace(shape, a3=a(3)), numbers)
-        return first + 2 * second
-
     return Problem(
         name=f"{driven_end} beam at beta = {_spelled(beta)}, Omega = {_spelled(omega)}",
         ring=ring,
@@ -208,10 +198,10 @@ def beam(
         drive={1: ring.rational(1, 2)},
         inverse_leading=1 / shape.a3,
         equation_residual=equation_residual,
-        end_residual=end_residual,
-        end_unit=lambda j: 2 * wave(j).decay,
+        end_residual=lambda j, w: end_residuals(wave(j), w),
+        end_unit=lambda j: (ring.one, ring.zero),
         load=ring.rational(2),
-        static_end_residual=static_end_residual,
+        static_end_residual=lambda a: static_end_residuals(shape, a, numbers),
         rest=shape.contact_point,
     )
 

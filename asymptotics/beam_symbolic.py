@@ -48,22 +48,22 @@ Bracket = list[tuple[Fraction, tuple[str, ...]]]
 
 
 def generator_names(order: int) -> tuple[str, ...]:
-    """``sigma, b, B, S2, S3`` and ``Y{j}_{di}`` for j = 0 … order; B = bΩ², λ an arbitrary weight.
+    """``sigma, b, B, S2, S3`` and ``Y{j}_{di}`` for j = 0 … order; B = bΩ².
 
     >>> generator_names(1)[:6], generator_names(1)[-1]
-    (('sigma', 'b', 'B', 'S2', 'S3', 'Y0_20'), 'lambda')
+    (('sigma', 'b', 'B', 'S2', 'S3', 'Y0_20'), 'Y1_31')
     """
     impedances = (f"Y{j}_{entry}" for j in range(order + 1) for entry in ENTRIES)
-    return ("sigma", "b", "B", "S2", "S3", *impedances, "lambda")
+    return ("sigma", "b", "B", "S2", "S3", *impedances)
 
 
 @remembering
 def symbolic_beam(order: int) -> Problem[fmpq_mpoly]:
     """The beam over its generators, for expansions up to ``order``.
 
-    The driven end is what defines the impedances, so its residual substitutes the two definitions,
-    the second times a free generator λ; and since a₃ is itself a generator, defined by W₀(0) = 1,
-    the static driven end has nothing left to prove: :mod:`asymptotics.beam` proves both in numbers.
+    The driven end is what defines the impedances, so its residuals substitute the two definitions;
+    and since a₃ is itself a generator, defined by W₀(0) = 1, the static driven end has nothing left
+    to prove: :mod:`asymptotics.beam` proves both in numbers.
 
     Raises
     ------
@@ -100,11 +100,11 @@ def symbolic_beam(order: int) -> Problem[fmpq_mpoly]:
             (ring.zero, ring.zero, ring["S2"], ring["S3"]),
         )
 
-    def end_residual(j: int, w: Any) -> fmpq_mpoly:
+    def end_residual(j: int, w: Any) -> tuple[fmpq_mpoly, ...]:
         y20, y21, y30, y31 = (ring[f"Y{j}_{entry}"] for entry in ENTRIES)
         second = ring.sum([w[2], minus * y20 * w[0], minus * y21 * w[1]])
         third = ring.sum([w[3], minus * y30 * w[0], minus * y31 * w[1]])
-        return ring.sum([second, ring["lambda"] * third])
+        return second, third
 
     return Problem(
         name="beam",
@@ -120,9 +120,9 @@ def symbolic_beam(order: int) -> Problem[fmpq_mpoly]:
             [b * w[2], ring.rational(j * j) * B * w[0], minus * w[4]]
         ),
         end_residual=end_residual,
-        end_unit=lambda j: ring.sum([ring["S2"], ring["lambda"] * ring["S3"]]),
+        end_unit=lambda j: (ring["S2"], ring["S3"]),
         load=minus * sigma,
-        static_end_residual=lambda a: ring.zero,
+        static_end_residual=lambda a: (),
     )
 
 

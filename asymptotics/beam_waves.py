@@ -10,6 +10,7 @@ No exponential here grows inside the rope, so nothing overflows however small β
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,30 +119,37 @@ def waves(static: StaticBeam, rate: Any, numbers: Numbers) -> Waves:
 def end_residuals(wave: Waves, w: Any) -> tuple[Any, Any]:
     """What one harmonic leaves of both driven-end conditions, from its derivatives at ξ₀.
 
-    Both are times 2e^{−pL} (the second also over p² or p), so that the solution growing towards the
-    driven end enters with factor one. A unit drive leaves (2e^{−pL}, 0).
+    The solution growing towards the driven end, e^{pL} times larger there, would hide the others in
+    both. It is eliminated from the first, of which a unit drive leaves 1; the second, of which it
+    leaves 0, is times 2e^{−pL}/p² (clamped 2e^{−pL}/p), so that it enters there with factor one.
     """
     e, p, total = wave.decay, wave.p, wave.p2 + wave.k2
     a, b = (wave.p2 * w[0] - w[2]) / total, (wave.p2 * w[1] - w[3]) / total
     even, odd = (wave.k2 * w[0] + w[2]) / total, (wave.k2 * w[1] + w[3]) / (total * p)
-    harmonic = 2 * e * (a * wave.cosine - b * wave.sine)
-    boundary = even * (1 + e * e) - odd * (1 - e * e)
+    harmonic = a * wave.cosine - b * wave.sine
     if wave.clamped:
-        turned = 2 * e * (a * wave.k2 * wave.sine + b * wave.cosine)
-        return harmonic + boundary, turned / p + odd * (1 + e * e) - even * (1 - e * e)
-    return harmonic + boundary, boundary - wave.k2 / wave.p2 * harmonic
+        turned = (a * wave.k2 * wave.sine + b * wave.cosine) / p
+        second = 2 * e * turned + odd * (1 + e * e) - even * (1 - e * e)
+        return harmonic + turned + e * (even + odd), second
+    ratio = wave.k2 / wave.p2
+    second = even * (1 + e * e) - odd * (1 - e * e) - 2 * e * ratio * harmonic
+    return (1 + ratio) * harmonic, second
 
 
-def static_end_residuals(shape: StaticBeam, numbers: Numbers) -> tuple[Any, Any]:
-    """What W₀ leaves of W₀ = 1 and of the second driven-end condition, times 2e^{−L/√β}."""
+def static_end_residuals(
+    shape: StaticBeam, a: Callable[[int], Any], numbers: Numbers
+) -> tuple[Any, Any]:
+    """What a static shape with these a₃ and a₄ = −2/β leaves of both driven-end conditions.
+
+    As for a harmonic: of W₀ = 1 without the growing solution, and of the second condition times
+    2e^{−L/√β}.
+    """
     beta, length = shape.beta, shape.contact_point
     root = numbers.sqrt(beta)
-    x, odd = length / root, shape.a3 * beta * root
-    e = numbers.exp(-x)
-    twice_cosh, twice_sinh = 1 + e * e, 1 - e * e
-    height = 2 * e * (length * length + 2 * beta + odd * x - 1)
-    height = height - 2 * beta * twice_cosh - odd * twice_sinh
+    x, e = length / root, numbers.exp(-length / root)
+    odd, even = a(3) * beta * root, a(4) * beta * beta
+    less, more = 1 - e, 1 + e  # 2e cosh x − 2e = (1 − e)² without the cancellation
     if shape.driven_end == "clamped":
-        slope = -2 * length - odd / root
-        return height, 2 * e * slope + 2 * root * twice_sinh + odd / root * twice_cosh
-    return height, 4 * e - 2 * twice_cosh - odd / beta * twice_sinh
+        height = odd * (x - 1 + e) - even * (x * x / 2 - x + 1 - e) - 1
+        return height, (2 * e * x - less * more) * even + less * less * odd
+    return odd * x - even * x * x / 2 - 1, less * less * even - less * more * odd

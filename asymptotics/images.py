@@ -42,9 +42,11 @@ def image_of_problem(problem: Problem[E], ring: Ring[F], value: Callable[[E], F]
 
     weights = _Weights(problem, row)
 
-    def static_end_residual(static: Callable[[int], F]) -> F:
-        constant, *rest = weights.static_end()
-        return ring.sum([constant, *(x * static(d) for d, x in enumerate(rest))])
+    def static_end_residual(static: Callable[[int], F]) -> tuple[F, ...]:
+        return tuple(
+            ring.sum([constant, *(x * static(d) for d, x in enumerate(rest))])
+            for constant, *rest in weights.static_end()
+        )
 
     return Problem(
         name=problem.name,
@@ -56,8 +58,8 @@ def image_of_problem(problem: Problem[E], ring: Ring[F], value: Callable[[E], F]
         drive={j: value(amplitude) for j, amplitude in problem.drive.items()},
         inverse_leading=value(problem.inverse_leading),
         equation_residual=lambda j, w: _inner(weights.equation(j), w, ring),
-        end_residual=lambda j, w: _inner(weights.end(j), w, ring),
-        end_unit=cache(lambda j: value(problem.end_unit(j))),
+        end_residual=lambda j, w: tuple(_inner(x, w, ring) for x in weights.end(j)),
+        end_unit=cache(lambda j: row(problem.end_unit(j))),
         load=value(problem.load),
         static_end_residual=static_end_residual,
     )
@@ -81,17 +83,22 @@ class _Weights(Generic[E, F]):
         length = len(self.problem.mode(j).reduction) + 1
         return self.row([self.problem.equation_residual(j, unit) for unit in self._units(length)])
 
-    def _end(self, j: int) -> tuple[F, ...]:
+    def _end(self, j: int) -> tuple[tuple[F, ...], ...]:
+        """One row for each condition."""
         length = len(self.problem.mode(j).reduction)
-        return self.row([self.problem.end_residual(j, unit) for unit in self._units(length)])
+        columns = [self.problem.end_residual(j, unit) for unit in self._units(length)]
+        return tuple(map(self.row, zip(*columns, strict=True)))
 
-    def _static_end(self) -> tuple[F, ...]:
-        """The constant, then the weights of a_0, a_1, …."""
+    def _static_end(self) -> tuple[tuple[F, ...], ...]:
+        """For each condition the constant, then the weights of a_0, a_1, …."""
         ring, residual = self.problem.ring, self.problem.static_end_residual
-        constant = residual(lambda d: ring.zero)
-        minus = ring.rational(-1) * constant
+        constants = residual(lambda d: ring.zero)
         units = self._units(len(self.problem.static_reduction))
-        return self.row([constant, *(ring.sum([residual(u.__getitem__), minus]) for u in units)])
+        columns = [residual(unit.__getitem__) for unit in units]
+        return tuple(
+            self.row([constant, *(ring.sum([x, ring.rational(-1) * constant]) for x in found)])
+            for constant, *found in zip(constants, *columns, strict=True)
+        )
 
 
 def image_of_expansion(

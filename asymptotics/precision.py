@@ -74,13 +74,19 @@ def until(
     PrecisionError
         More than 8192 bits would be needed.
     """
-    bits = start
+    bits: int = start
+    reached: Any = None
     while True:
         with at_precision(bits):
-            result = compute()
-            if accurate(result):
-                return result, bits
-        bits = doubled(bits, what, result)
+            try:
+                result = compute()
+            except PrecisionError as error:  # balls too wide to go on with
+                reached = error.partial
+            else:
+                if accurate(result):
+                    return result, bits
+                reached = result
+        bits = doubled(bits, what, reached)
 
 
 def doubled(bits: int, what: str, reached: Any) -> int:

@@ -71,12 +71,13 @@ class Problem(Remembered, Generic[E]):
         1/a_m.
     equation_residual
         (j, [w, w′, …]) ↦ what the PDE leaves of one harmonic, zero on a solution.
-    end_residual
-        (j, [w, w′, …, first r]) ↦ what the homogeneous driven end leaves of one harmonic, so
-        normalised that a unit drive leaves ``end_unit(j)``.
+    end_residual, end_unit
+        (j, [w, w′, …, first r]) ↦ what each homogeneous condition at the driven end, of which there
+        are r − m + 1, leaves of one harmonic; and j ↦ what a unit drive leaves of each.
     load, static_end_residual
         What the static shape leaves of the PDE (its weight); and d ↦ a_d ↦ what a static shape with
-        these derivatives leaves of the driven end (zero for W₀), linear in them but for a constant.
+        these derivatives leaves of each condition at the driven end (zero for W₀), linear in them
+        but for a constant.
     rest
         ξ₀, the static contact point; None where it is no element of the ring. The expansion does
         not need it, its values do.
@@ -95,10 +96,10 @@ class Problem(Remembered, Generic[E]):
     drive: Mapping[int, E]
     inverse_leading: E
     equation_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
-    end_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
-    end_unit: Callable[[int], E] = field(repr=False)
+    end_residual: Callable[[int, Sequence[E]], tuple[E, ...]] = field(repr=False)
+    end_unit: Callable[[int], tuple[E, ...]] = field(repr=False)
     load: E = field(repr=False)
-    static_end_residual: Callable[[Callable[[int], E]], E] = field(repr=False)
+    static_end_residual: Callable[[Callable[[int], E]], tuple[E, ...]] = field(repr=False)
     rest: E | None = None
     balls: Callable[[], Problem[Any]] | None = field(default=None, repr=False)
 
@@ -125,8 +126,8 @@ def driven_string(
     * ``impedance``: j ↦ k_j cot k_j, the slope per unit value,
     * ``source``: j ↦ k_j/sin k_j, minus the slope per unit of ``drive``.
 
-    The mean, j = 0, is their limit k → 0: 0, 1, 1. Both residuals and ``end_unit`` are asked for
-    j > 0 only.
+    The mean, j = 0, is their limit k → 0: 0, 1, 1. Both residuals and ``end_unit``, of the one
+    condition at the driven end, are asked for j > 0 only.
     """
     one, minus = ring.one, ring.rational(-1)
 
@@ -150,14 +151,12 @@ def driven_string(
         drive=drive,
         inverse_leading=ring.rational(1, 2),
         equation_residual=lambda j, w: equation_residual(j, w) if j else w[2],
-        end_residual=lambda j, w: (
-            end_residual(j, w) if j else ring.sum([w[0], ring.rational(-1) * w[1]])
-        ),
-        end_unit=lambda j: end_unit(j) if j else ring.one,
+        end_residual=lambda j, w: (end_residual(j, w) if j else ring.sum([w[0], minus * w[1]]),),
+        end_unit=lambda j: (end_unit(j) if j else ring.one,),
         load=ring.rational(2),
         # A parabola in ξ − 1 is a₀ − a₁ + a₂/2 at ξ = 0, where it is held at 1.
-        static_end_residual=lambda a: ring.sum(
-            [a(0), minus * a(1), ring.rational(1, 2) * a(2), minus]
+        static_end_residual=lambda a: (
+            ring.sum([a(0), minus * a(1), ring.rational(1, 2) * a(2), minus]),
         ),
         rest=ring.one,
     )

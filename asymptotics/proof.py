@@ -3,7 +3,7 @@
 Five statements are checked for every order:
 
 * the equation: every harmonic and every derivative that the expansion used satisfies the PDE;
-* the driven end: every harmonic meets it, the drive's own with its amplitude;
+* the driven end: every harmonic meets each of its conditions, the drive's own with its amplitude;
 * the contact: W and its first m − 1 slopes vanish at the *moving* contact point. The shift is made
   by the series of :mod:`asymptotics.profile`, which share nothing with the engine's Taylor sums;
 * substance: every harmonic that n-fold products of the drive can excite is there (of numbers and
@@ -127,11 +127,11 @@ def _without(expansion: Expansion[E], foreign: Sequence[tuple[int, ...]]) -> Exp
 class Residuals(Generic[E]):
     """What order n leaves of each statement, as ring elements; see :func:`residuals`.
 
-    The keys tell them apart: harmonic and derivative, harmonic, condition and harmonic.
+    The keys tell them apart: harmonic and derivative, then twice condition and harmonic.
     """
 
     equation: Mapping[tuple[int, int], E]
-    driven_end: Mapping[int, E]
+    driven_end: Mapping[tuple[int, int], E]
     contact: Mapping[tuple[int, int], E]
 
     def __iter__(self) -> Iterator[E]:
@@ -162,13 +162,14 @@ def residuals(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> Residua
         for j, start in shape.items()
         for d in range(depth)
     }
-    ends = {}
+    ends: dict[tuple[int, int], E] = {}
     for j, start in shape.items():
-        residual = [problem.end_residual(j, start)]
+        left = problem.end_residual(j, start)
         if n == 1 and j in problem.drive:
             minus = problem.ring.rational(-1) * problem.drive[j]
-            residual.append(minus * problem.end_unit(j))
-        ends[j] = problem.ring.sum(residual)
+            pairs = zip(left, problem.end_unit(j), strict=True)
+            left = tuple(problem.ring.sum([x, minus * unit]) for x, unit in pairs)
+        ends |= {(i, j): x for i, x in enumerate(left)}
     return Residuals(equation, ends, _contact_residuals(frame, n))
 
 
@@ -186,9 +187,8 @@ def _static_residuals(expansion: Expansion[E], frame: MovingFrame[E]) -> Residua
         equation[0, d] = ring.sum(terms)
         lower = [chi * static(d + i) for i, chi in enumerate(reduction)]
         equation[1, d] = ring.sum([minus * static(d + R), *lower])
-    return Residuals(
-        equation, {0: problem.static_end_residual(static)}, _contact_residuals(frame, 0)
-    )
+    ends = {(i, 0): x for i, x in enumerate(problem.static_end_residual(static))}
+    return Residuals(equation, ends, _contact_residuals(frame, 0))
 
 
 def _contact_residuals(frame: MovingFrame[E], n: int) -> dict[tuple[int, int], E]:

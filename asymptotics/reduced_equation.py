@@ -196,11 +196,8 @@ def until_narrow(compute: Callable[[], list[arb]], what: str, together: bool = F
         with at_precision(bits):
             try:
                 found = compute()
-            except (
-                InputError,
-                PrecisionError,
-                ValueError,
-            ):  # a static shape, a denominator still too wide
+            # A static shape or a denominator may still be too wide.
+            except (PrecisionError, ValueError):
                 found = [arb.nan()]
             sizes = [x.abs_lower() for x in found]
             if together:

@@ -50,7 +50,9 @@ def test_the_static_shape_by_its_own_profile(driven_end: str, beta: str) -> None
         assert abs(profile(0) - 1) < mpf(10) ** -80
         assert abs(profile(2 if driven_end == "pinned" else 1)) < mpf(10) ** -80
         assert abs(shape.derivative(2) - mpf(beta) * shape.derivative(4) - 2) < mpf(10) ** -100
-        assert all(abs(x) < mpf(10) ** -100 for x in static_end_residuals(shape, numbers))
+        assert all(
+            abs(x) < mpf(10) ** -100 for x in static_end_residuals(shape, shape.derivative, numbers)
+        )
         assert shape.a3 < 0
 
 
@@ -128,12 +130,11 @@ def sizes(expansion: Expansion[Any], n: int) -> tuple[float, float, float]:
             w = [derivative(n, j, d + i) for i in range(5)]
             scale = beta * (stiffness * abs(w[0]) + abs(w[2]) / beta + abs(w[4]))
             equation = max(equation, abs(problem.equation_residual(j, w)) / scale)
-        left = problem.end_residual(j, start)
-        if n == 1:
-            left -= problem.drive[1] * problem.end_unit(1)
         p = beta**-0.5
         scale = sum(abs(x) / p**i for i, x in enumerate(start))
-        end = max(end, abs(left) / scale)
+        for left, unit in zip(problem.end_residual(j, start), problem.end_unit(j), strict=True):
+            drive = problem.drive[1] if n == 1 else 0
+            end = max(end, abs(left - drive * unit) / scale)
     for e in range(3):
         parts = [series[e][n] for series in (frame.static, *frame.modes.values())]
         for j in {j for part in parts for j in part}:
@@ -170,8 +171,8 @@ def test_residuals_at_fifty_digits(driven_end: str) -> None:
                 wave = waves(
                     static_beam("0.01", driven_end, digits()), j * mpf("2.2") if j else 0, digits()
                 )
-                # Each of the two conditions by itself, in units of a unit drive.
-                drive = [wave.decay if n == 1 else 0, 0]
+                # Each of the two conditions by itself; half a unit drive is e^{iθ}'s.
+                drive = [mpf(0.5) if n == 1 else 0, 0]
                 for found, wanted in zip(end_residuals(wave, start), drive, strict=True):
                     assert abs(found - wanted) < mpf(10) ** -30 * wave.decay
             assert set(solution.contact(n)) == reachable([1], n)
@@ -204,9 +205,11 @@ def test_the_static_shape_carries_its_weight(driven_end: str) -> None:
             assert left.contains(0)
             assert left.rad() < 1e-40
         assert problem.load == 2
-        end = problem.static_end_residual()
-        assert end.contains(0)
-        assert end.rad() < 1e-40
+        ends = problem.static_end_residual(problem.static)
+        assert len(ends) == 2
+        for end in ends:
+            assert end.contains(0)
+            assert end.rad() < 1e-40
     for rope in (beam(0.01, 2.2, driven_end), beam(np.array([0.01, 0.1]), 2.2, driven_end)):
         left = rope.equation_residual(0, [rope.static(i) for i in range(5)])
         assert left == pytest.approx(rope.load, rel=8 * EPS)
@@ -274,16 +277,26 @@ def test_complex_frequencies_continue_the_real_ones() -> None:
 @pytest.mark.parametrize("driven_end", DRIVEN_ENDS)
 @pytest.mark.parametrize("beta", [1e-8, 5e-5, 0.01, 10.0])
 def test_both_conditions_of_the_driven_end_enter_its_residual(beta: float, driven_end: str) -> None:
-    """Either is seen when it fails, and neither cancels the other's leading terms."""
+    """Each over its terms' magnitudes, of which the growing solution is none in the first."""
     solution = expand(float_beam(beta, 2.2, 2, driven_end), 2)
     assert max(proof.sizes[1] for proof in prove(solution)) < 1e-11
-    problem = solution.problem
-    for place in (2, 3):
-        w = list(solution.shape(2)[2])
-        weights = [problem.end_residual(2, [float(i == k) for i in range(4)]) for k in range(4)]
-        size = sum(abs(x * y) for x, y in zip(weights, w, strict=True))
-        w[place] *= 1.001
-        assert 1e-5 < abs(problem.end_residual(2, w)) / size < 1e-3
+    problem, right = solution.problem, solution.shape(2)[2]
+    rows = [problem.end_residual(2, [float(i == k) for i in range(4)]) for k in range(4)]
+    conditions = list(zip(*rows, strict=True))
+    sizes = [sum(abs(x * y) for x, y in zip(c, right, strict=True)) for c in conditions]
+
+    def left(second: float, third: float) -> list[float]:
+        found = problem.end_residual(2, [*right[:2], right[2] + second, right[3] + third])
+        return [abs(x) / size for x, size in zip(found, sizes, strict=True)]
+
+    for own, (_, _, x, y) in enumerate(conditions):
+        change = 1e-3 * right[2]
+        for wrong in (left(change, 0), left(0, 1e-3 * right[3])):
+            assert min(wrong) > 5e-8
+            assert wrong[1] > 9e-5
+        unseen = left(change, -x / y * change)
+        assert unseen[own] < 1e-11
+        assert unseen[1 - own] > 2e-7
 
 
 @pytest.mark.parametrize(

@@ -102,6 +102,8 @@ def test_a_double_root_that_is_not_there() -> None:
     """μa = Fε + αa³ with the wrong sign of μ has none; nor has a linear equation."""
     assert math.isnan(double_root([np.array([-1.0, -1.5]), np.array([0.0, 0, 0, -0.5])]))
     assert math.isnan(double_root([np.array([-1.0, 1.5])]))
+    # One term alone: no equation is left for y.
+    assert math.isnan(double_root([np.array([1.0, 0.0])]))
 
 
 @dataclass
@@ -166,6 +168,24 @@ def test_the_range_ends_half_way_to_a_pole(monkeypatch: pytest.MonkeyPatch) -> N
     assert found.pole == (4, 6)
     assert found.mu == pytest.approx((spectrum[0] - spectrum[3] / 6) / 2, rel=1e-12)
     assert "half way to Omega_4/6, where harmonic 6 resonates" in found.reason
+
+
+@pytest.mark.parametrize(("q", "side"), [(1, 1), (1, -1), (2, 1), (2, -1), (3, 1)])
+def test_the_next_pole_is_the_nearest_of_the_harmonics_through_order_seven(
+    q: int, side: int
+) -> None:
+    """Harmonic 8 would resonate nearer for q = 1 above Ω₁ and for q = 2 below Ω₁/2."""
+    spectrum, place = linear_frequencies(0.01, 40), Made(q).resonant.value
+    found = [
+        (side * (omega / j - place), (n, j))
+        for j in range(1, 8)
+        for n, omega in enumerate(spectrum, start=1)
+        if side * (omega / j - place) > 1e-9
+    ]
+    distance, pole = min(found)
+    bound = min(distance / 2, place / 4)
+    expected = pole if bound < place / 4 else None
+    assert next_pole(Made(q, side)) == (pytest.approx(bound, rel=1e-12), expected)
 
 
 def test_no_range(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,8 +14,10 @@ import pytest
 from flint import ctx
 
 import asymptotics
+from asymptotics.beam_symbolic import generator_names, impedances
 from asymptotics.certified import evaluate_certified
 from asymptotics.precision import MOST_BITS, PrecisionError, at_precision, doubled, until
+from asymptotics.rings import GeneratorRing
 
 
 def test_the_precision_is_one_number_for_all_threads() -> None:
@@ -108,9 +110,16 @@ def test_the_doubling_ends() -> None:
 
     assert until(lambda bits: bits >= 500, compute, "a test", 100) == (800, 800)
     assert tried == [100, 200, 400, 800]
-    with pytest.raises(PrecisionError, match="a test needs more than 8192 bits") as caught:
+    with pytest.raises(PrecisionError, match=r"^a test needs more than 8192 bits") as caught:
         until(lambda bits: False, compute, "a test", 4096)
     assert caught.value.partial == MOST_BITS
     assert doubled(MOST_BITS - 1, "a test", None) == 2 * MOST_BITS - 2
     again = pickle.loads(pickle.dumps(caught.value))
     assert (str(again), again.partial) == (str(caught.value), MOST_BITS)
+
+
+@pytest.mark.parametrize("beta", [1e30, 1e100])
+def test_what_cannot_be_enclosed_in_few_bits_is_tried_in_more(beta: float) -> None:
+    point = impedances(beta, 2.2, 1)
+    ring = GeneratorRing(generator_names(1))
+    assert point.evaluate(ring["b"]) == pytest.approx(1 / beta, rel=2.0**-52)

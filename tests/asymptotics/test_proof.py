@@ -7,13 +7,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from flint import arb
 
 from asymptotics import Expansion, exact_string, expand, float_string, moving_frame, prove, string
 from asymptotics.balls import ball_damped_string, ball_string
-from asymptotics.beam import beam, float_beam
+from asymptotics.beam import beam, float_beam, static_beam
 from asymptotics.beam_numbers import balls, digits
 from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.cotangent import CotangentRing
@@ -22,6 +23,7 @@ from asymptotics.enclosures import WIDEST, enclosures
 from asymptotics.errors import InputError
 from asymptotics.forcing import forced_string, fourier_drive
 from asymptotics.forcing_generators import generator_string
+from asymptotics.images import MajorantRing, image_of_problem
 from asymptotics.precision import at_precision
 from asymptotics.proof import OrderProof, RefutedError, residuals
 from asymptotics.rings import FloatRing
@@ -112,10 +114,10 @@ def test_height_and_slope_at_the_contact_point_are_two_conditions(sixth: Expansi
 
 def test_only_the_driven_end_fails(sixth: Expansion) -> None:
     """Another weight of the drive in the problem's own words."""
-    problem = replace(sixth.problem, end_unit=lambda j: RING.rational(2) * RING.omega)
+    problem = replace(sixth.problem, end_unit=lambda j: (RING.rational(2) * RING.omega,))
     proofs = refuted(Expansion(problem, sixth.orders), "order 1: REFUTED .* driven end NOT 0")
     assert [faults(proof) for proof in proofs] == [set(), {"driven_end"}] + [set()] * 5
-    problem = replace(sixth.problem, end_residual=lambda j, w: w[0])
+    problem = replace(sixth.problem, end_residual=lambda j, w: (w[0],))
     proofs = refuted(Expansion(problem, sixth.orders))
     assert faults(proofs[1]) == faults(proofs[2]) == {"driven_end"}
 
@@ -255,7 +257,8 @@ def test_the_enclosures_see_each_coefficient(sixth: Expansion) -> None:
 
 
 def test_the_enclosures_know_the_static_shape(sixth: Expansion) -> None:
-    for derivatives in ((0, 0, 4), (1, 0, 2), (0, 1, 2), (0, 0, 2, 1)):
+    last = (0, 0, 2, 0, 0, 0, 0, 1)  # a_{N+1}, the highest derivative that order N uses
+    for derivatives in ((0, 0, 4), (1, 0, 2), (0, 1, 2), (0, 0, 2, 1), last):
         problem = replace(sixth.problem, static=parabola(*derivatives))
         points = enclosures(Expansion(problem, sixth.orders))
         assert not any(point.static or point.holds for point in points)
@@ -283,6 +286,19 @@ def test_balls_that_stay_wide_are_no_enclosure(
     point = enclosures(sixth, points=1)[0]
     assert 0 < point.radius < 1e-60
     assert not any(point.orders)
+
+
+def test_the_refutation_names_the_point_and_the_order(sixth: Expansion) -> None:
+    """Not the first point, which holds; order 0 is the static shape."""
+    proof = prove(sixth)
+    first, second, third = proof.enclosures
+    for wrong, order in (
+        (replace(second, orders=(True, True, False, False, True, True)), 3),
+        (replace(second, static=False), 0),
+    ):
+        message = str(RefutedError(replace(proof, enclosures=(first, wrong, third))))
+        assert message.startswith(f"order {order}: REFUTED at Omega = {second.omega}, tau = ")
+        assert second.omega != first.omega
 
 
 def test_the_certificate_says_what_the_proof_is_relative_to(sixth: Expansion) -> None:
@@ -358,6 +374,81 @@ def test_wrong_numbers_are_inconsistent(name: str) -> None:
     refuted(changed(expansion, 1, contact=lost), "order 1: inconsistent")
 
 
+def along_the_kernel(expansion: Expansion, condition: int, change: Any) -> Expansion:
+    """w″ and w‴ of the last harmonic moved so that one condition of the driven end sees nothing."""
+    n, problem = expansion.order, expansion.problem
+    ring = problem.ring
+    units = ([ring.one if i == k else ring.zero for i in range(4)] for k in (2, 3))
+    x, y = (problem.end_residual(n, unit)[condition] for unit in units)
+    second, third = change * y, ring.rational(-1) * change * x
+    w = expansion.shape(n)[n]
+    shape = dict(expansion.shape(n)) | {n: (*w[:2], w[2] + second, w[3] + third)}
+    c = expansion.contact(n)[n] - second * problem.inverse_leading  # w″ + a₃ξ = …
+    return changed(expansion, n, shape=shape, contact=dict(expansion.contact(n)) | {n: c})
+
+
+BEAMS = ("pinned", "clamped", "thin layer", "thin clamped layer", "stiff", "complex", "digits")
+
+
+@pytest.mark.parametrize("condition", [0, 1])
+def test_each_condition_of_a_beams_driven_end_is_checked(condition: int) -> None:
+    def refute(expansion: Expansion, change: Any, word: str) -> None:
+        n = expansion.order
+        wrong = along_the_kernel(expansion, condition, change)
+        proofs = refuted(wrong, f"order {n}: {word}")
+        assert [faults(proof) for proof in proofs] == [set()] * n + [{"driven_end"}]
+
+    for name in BEAMS:
+        expansion = NUMBERS[name]
+        n, problem = expansion.order, expansion.problem
+        unit = problem.end_residual(n, [problem.ring.rational(int(i == 3)) for i in range(4)])
+        change = expansion.shape(n)[n][2] / (1000 * unit[condition])
+        refute(expansion, change, "inconsistent")
+    with at_precision(128):
+        for driven_end in ("pinned", "clamped"):
+            refute(expand(beam(0.01, 2.2, driven_end, balls()), 3), arb("1e-12"), "REFUTED")
+    symbolic = expand_symbolic(3)
+    refute(symbolic, symbolic.problem.ring.one, "REFUTED")
+
+
+@pytest.mark.parametrize("condition", [0, 1])
+@pytest.mark.parametrize("driven_end", ["pinned", "clamped"])
+@pytest.mark.parametrize("beta", [1e-6, 0.01, 1.0])
+def test_each_condition_of_a_beams_static_shape_is_checked(
+    beta: float, driven_end: str, condition: int
+) -> None:
+    """Another contact point, and the a₃ for which one of the conditions holds there."""
+    right = static_beam(beta, driven_end)
+    moved = replace(right, contact_point=right.contact_point * 1.01)
+    problem = beam(beta, 2.2, driven_end, static=moved)
+    none, one = (
+        problem.static_end_residual(lambda d, a3=a3: a3 if d == 3 else problem.static(d))[condition]
+        for a3 in (0.0, 1.0)
+    )
+    shape = replace(moved, a3=none / (none - one))
+    wrong = replace(beam(beta, 2.2, driven_end, static=shape), balls=None)
+    proofs = refuted(expand(wrong, 2), "order 0: inconsistent")
+    assert [faults(proof) for proof in proofs] == [{"driven_end"}, set(), set()]
+
+
+@pytest.mark.parametrize("name", ["string", "pinned", "clamped", "viscous"])
+def test_an_image_leaves_of_each_condition_what_the_problem_does(name: str) -> None:
+    """For any derivatives: here none that solve anything."""
+    problem = NUMBERS[name].problem
+    image = image_of_problem(problem, problem.ring, lambda x: x)
+
+    def static(d: int) -> float:
+        return (0.3, -0.7, 1.9, -2.3, 5.1)[d]
+
+    assert image.static_end_residual(static) == pytest.approx(problem.static_end_residual(static))
+    for j in (0, 1, 3):
+        w = [0.4, -1.7, 2.9, 0.8, 3.3][: len(problem.mode(j).reduction) + 1]
+        assert image.end_residual(j, w[:-1]) == pytest.approx(problem.end_residual(j, w[:-1]))
+        assert image.equation_residual(j, w) == pytest.approx(problem.equation_residual(j, w))
+        if j:
+            assert image.end_unit(j) == problem.end_unit(j)
+
+
 def test_at_some_phases_a_harmonic_vanishes() -> None:
     """n = (1, 0) − (0, 1) − (1, −1) = 0: here the real part of an imaginary product."""
     drive = fourier_drive([0.7, 1.9], {(1, 0): 0.3, (0, 1): 0.4}, {(1, -1): 0.5})
@@ -367,6 +458,33 @@ def test_at_some_phases_a_harmonic_vanishes() -> None:
     nothing = replace(expansion.orders[0], contact={}, shape={})
     problem = replace(expansion.problem, drive={1: 0j})
     assert "missing" in faults(refuted(Expansion(problem, (nothing,)))[1])
+
+
+@pytest.mark.parametrize(
+    ("beta", "driven_end"),
+    [(1e10, "pinned"), (1e16, "pinned"), (1e30, "pinned"), (1e10, "clamped")],
+)
+def test_a_very_stiff_beam_is_consistent(beta: float, driven_end: str) -> None:
+    """The growing solution, as large as the rest at ξ₀, hides no digits of W₀ = 1."""
+    assert prove(expand(float_beam(beta, 2.2, 2, driven_end), 2)).holds
+
+
+def test_magnitudes_only_add_up() -> None:
+    ring = MajorantRing(even=False)
+    assert (ring.zero, ring.one, ring.rational(-3), ring.rational(-3, 2)) == (0.0, 1.0, 3.0, 1.5)
+    assert (ring.sum([]), ring.sum([ring.rational(-1), 2.0])) == (0.0, 3.0)
+    assert ring.is_zero(ring.zero)
+    assert not ring.is_zero(np.array([0.0, 1e-300]))
+
+
+def test_digits_are_held_to_the_digits_they_have_and_doubles_to_theirs() -> None:
+    with mpmath.workdps(50):
+        expansion = expand(beam("0.01", "2.2", numbers=digits()), 2)
+        assert max(max(proof.sizes) for proof in prove(expansion)) < 1e-48
+        contact = {j: c * (1 + mpmath.mpf(10) ** -30) for j, c in expansion.contact(2).items()}
+        assert faults(refuted(changed(expansion, 2, contact=contact))[2]) == {"contact"}
+        assert prove(NUMBERS["string"]).holds
+        assert prove(NUMBERS["damped"]).holds
 
 
 def test_numbers_that_are_none_are_inconsistent() -> None:
