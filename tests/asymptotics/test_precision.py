@@ -118,8 +118,8 @@ def test_the_doubling_ends() -> None:
     assert (str(again), again.partial) == (str(caught.value), MOST_BITS)
 
 
-@pytest.mark.parametrize("beta", [1e30, 1e100])
-def test_what_cannot_be_enclosed_in_few_bits_is_tried_in_more(beta: float) -> None:
+def test_what_cannot_be_enclosed_in_few_bits_is_tried_in_more() -> None:
+    beta = 1e30
     point = impedances(beta, 2.2, 1)
     ring = GeneratorRing(generator_names(1))
     assert point.evaluate(ring["b"]) == pytest.approx(1 / beta, rel=2.0**-52)
