@@ -20,7 +20,7 @@ from asymptotics import ClosedForms, exact_string, expand
 from asymptotics.beam_latex import beam_latex
 from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.closed_form import symbols
-from asymptotics.equations import COLUMNS
+from asymptotics.equations import COLUMNS, aligned
 from asymptotics.errors import InputError
 from asymptotics.latex import (
     contact_equation,
@@ -29,7 +29,7 @@ from asymptotics.latex import (
     shape_equation,
 )
 from asymptotics.normal_form import resonance_cosines
-from asymptotics.widths import width
+from asymptotics.widths import Limits, Piece, break_lines, width
 
 STYLES = ("cotangent", "circular")
 POINT = {"Omega": "0.8317", "epsilon": "0.0371", "s": "-0.6173", "xi": "0.4139", "tau": "1.2791"}
@@ -371,6 +371,13 @@ def test_long_formulas_have_an_align_of_their_own(style: str) -> None:
     assert len(displays(files(4, style, "two")["profile.tex"])) == 1
 
 
+def test_an_align_takes_equations_as_long_as_their_rows_fit() -> None:
+    sizes = [20, 20, 20, 1, 59, 1, 90, 30, 30]
+    text = aligned("\\\\\n".join(["&a"] * size) for size in sizes)
+    blocks = text.split("\\begin{align}\n")[1:]
+    assert [block.count("&a") for block in blocks] == [60, 60, 1, 90, 60]
+
+
 @pytest.mark.parametrize("order", [3, 4, 5])
 def test_every_row_of_the_beam_stays_in_the_column(order: int) -> None:
     text = beam_latex(expand_symbolic(order))
@@ -471,6 +478,16 @@ def test_widths_are_those_of_tex(tmp_path: Path) -> None:
     assert len(printed) == len(lines) > 200
     for line, wanted in zip(lines, printed, strict=True):
         assert -0.5 <= width(line) - wanted <= 0.03 * wanted + 3, line
+
+
+@pytest.mark.parametrize(("count", "filled"), [(5, [3, 2]), (6, [3, 3]), (7, [3, 3, 1])])
+def test_of_fillings_with_equally_many_lines_the_fullest_first(
+    count: int, filled: list[int]
+) -> None:
+    """[2, 3] and [3, 1, 3] would fit as well."""
+    items = [Piece("s", 0), *(Piece("+s", 0) for _ in range(count - 1))]
+    lines = break_lines(items, Limits(width("+s+s+s") + 1))
+    assert [line.count("s") for line in lines] == filled
 
 
 # -- arguments -------------------------------------------------------------------------------------
