@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from functools import cache
+from math import gcd
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.closed_form import symbols
 from asymptotics.equations import COLUMNS, aligned
 from asymptotics.errors import InputError
+from asymptotics.formula_trees import cosine_sum
 from asymptotics.latex import (
     contact_equation,
     formula_sets,
@@ -29,6 +31,7 @@ from asymptotics.latex import (
     shape_equation,
 )
 from asymptotics.normal_form import resonance_cosines
+from asymptotics.text import _resonance
 from asymptotics.widths import Limits, Piece, break_lines, width
 
 STYLES = ("cotangent", "circular")
@@ -235,6 +238,27 @@ def test_symbols_are_defined_where_they_are_used() -> None:
     assert used
     assert all(rf"${symbol}\equiv" in texts["profile.tex"] for symbol in used)
     assert r"\kappa_{j}\equiv\cot j\Omega" in files(6, "cotangent", "two")["profile.tex"]
+
+
+def exact_resonance(q: int) -> mpf:
+    """ζ^{−φ/2} Φ_q(ζ), ζ = e^{2iΩ}, over the 2 that all its cosines share where q = 2^n."""
+    zeta, roots = (
+        mp.expjpi(2 * mpf(POINT["Omega"]) / mp.pi),
+        [p for p in range(q) if gcd(p, q) == 1],
+    )
+    product = mp.fprod(zeta - mp.expjpi(mpf(2 * p) / q) for p in roots)
+    value = mp.re(product * zeta ** (-mpf(len(roots)) / 2))
+    return value / 2 if q in (2, 4, 8, 16) else value
+
+
+@pytest.mark.parametrize("q", range(2, 17))
+def test_the_factor_of_a_resonance_is_the_cyclotomic_polynomial_s(q: int) -> None:
+    """In LaTeX and as text, also beyond the orders of the other tests: T_6 = 2 cos 2Ω − 1."""
+    with mp.workdps(DIGITS + 20):
+        wanted = exact_resonance(q)
+        text = _resonance(q, 1).replace(" cos", "*cos")
+        assert close(Reader(cosine_sum(q), point()).value(), wanted)
+        assert close(eval(text, {"cos": mp.cos, "Omega": mpf(POINT["Omega"])}), wanted)
 
 
 def test_second_harmonic_is_the_papers_and_fits_one_line() -> None:
