@@ -12,7 +12,7 @@ from numerics.contact import Scheme, Simulator, equilibrium, run_steps
 from numerics.drive import Drive, at_rest, cosine, ramped_cosine
 from numerics.errors import InputError
 from numerics.exact_solutions import travelling_pulse
-from numerics.observables import COLUMNS, Column, contact_point
+from numerics.observables import COLUMNS, Column, contact_point, elastic_force, moving_size
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid, State, rope, string_on_obstacle
 from numerics.simulation import follow, simulate
@@ -255,6 +255,31 @@ def test_a_single_node_on_the_ground_is_pushed_up_or_not_at_all(push):
     held, force = np.zeros(system.size, bool), np.zeros(system.size)
     held[40], force[40] = True, push
     assert contact_point(system, force, held) == (system.positions[40], max(push, 0.0), 40)
+
+
+@pytest.mark.parametrize("size", range(4, 11))
+def test_the_elastic_force_is_that_of_the_whole_matrix(size):
+    """Every entry of K counts at its place, also where a rope would have equal ones."""
+    rng = np.random.default_rng(size)
+    n = 10
+    bands, height, force = rng.normal(size=(3, n)), rng.normal(size=n), np.zeros(n)
+    bands[1, -1:] = bands[2, -2:] = 0.0
+    height[size:] = 0.0
+    k0, k1, k2 = bands
+    matrix = np.diag(k0) + np.diag(k1[:-1], 1) + np.diag(k2[:-2], 2)
+    matrix += np.triu(matrix, 1).T
+    elastic_force(bands, height, size, force)
+    np.testing.assert_allclose(force[:size], (matrix @ height)[:size], rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("last", range(6))
+def test_the_moving_part_ends_with_the_last_node_that_is_not_at_rest(last):
+    for up, down in ((1.0, 0.0), (0.0, -1.0)):
+        height, velocity = np.zeros(6), np.zeros(6)
+        height[last], velocity[last] = up, down
+        assert moving_size(height, velocity, False) == last + 1
+        assert moving_size(height, velocity, True) == 6
+    assert moving_size(np.zeros(6), np.zeros(6), False) == 0
 
 
 def test_weightless_string_at_rest():
