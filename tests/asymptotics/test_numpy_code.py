@@ -497,3 +497,16 @@ def test_a_term_is_its_fraction_however_large(above: int, below: int, names: lis
         assert abs(Fraction(found) - exact) <= Fraction(2) ** -51 * abs(exact)
         integers = [int(digits) for digits in re.findall(r"(?<![\d.e+-])\d+(?![\d.e])", text)]
         assert max(integers, default=0) < 2**53
+
+
+def test_beyond_the_driven_end_at_some_time_there_is_no_result_then(
+    modules: dict[int, ModuleType],
+) -> None:
+    """Also for positions that the rope reaches at its mean length, and at other times."""
+    tau = np.linspace(0.0, 2 * math.pi / 0.83, 33)
+    contact = modules[4].contact(tau, 0.83, 0.05)
+    s = -(1 + 1e-3) * contact[contact < np.mean(contact) - 2e-3]
+    short = tau[contact < np.mean(contact) - 2e-3]
+    assert len(s) > 5
+    assert np.isnan(modules[4].profile(s, short, 0.83, 0.05)).all()
+    assert np.isfinite(modules[4].profile(0.998 * s, short, 0.83, 0.05)).all()
