@@ -10,7 +10,7 @@ import pytest
 from numerics import simulation
 from numerics.contact import Scheme, Simulator, equilibrium, run_steps
 from numerics.drive import Drive, at_rest, cosine, ramped_cosine
-from numerics.errors import InputError
+from numerics.errors import ActiveSetError, InputError
 from numerics.exact_solutions import travelling_pulse
 from numerics.observables import COLUMNS, Column, contact_point, elastic_force, moving_size
 from numerics.problem import RopeProblem
@@ -311,3 +311,22 @@ def test_rows_are_kept_of_a_drive_without_a_period(monkeypatch):
     run = simulate(RopeProblem(0.01, sampled), 2.0, Grid(0.02, 2.5, 0.0))
     assert len(run.times) in (70, 71)
     assert run.times[-1] == pytest.approx(2.0)
+
+
+def test_a_step_that_does_not_end_is_an_error_and_the_state_before_it_is_kept(monkeypatch):
+    def three(system, scheme, dt, restitution, heights, state, ledger, rows):
+        steps = min(3, len(rows))
+        return run_steps(
+            system, scheme, dt, restitution, heights[: steps + 2], state, ledger, rows[:steps]
+        )
+
+    problem = RopeProblem(0.01, ramped_cosine(2.5, 0.05, 5))
+    broken, whole = (Simulator(problem, Grid(0.02, 3.0, 0.0)) for _ in range(2))
+    for _ in whole.blocks(3 * whole.dt):
+        pass
+    monkeypatch.setattr("numerics.contact.run_steps", three)
+    with pytest.raises(ActiveSetError, match=r"the active set of step 4 \(tau = 0\.06\)"):
+        next(broken.blocks(1.0))
+    assert broken.step == 3
+    np.testing.assert_array_equal(broken.state.height, whole.state.height)
+    assert broken.unexplained == whole.unexplained
