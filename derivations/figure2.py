@@ -11,7 +11,6 @@ Points are tasks of :func:`numerics.sweep.sweep`, one sealed file each: a killed
 
 from __future__ import annotations
 
-import json
 import math
 import reprlib
 from collections.abc import Callable
@@ -21,6 +20,7 @@ from typing import Any
 
 from asymptotics.beam_spectrum import linear_frequencies
 from derivations.figure2_points import Point, check_points
+from derivations.output import json_text
 from numerics.errors import CircleNotFoundError, FileError, ThresholdNotFoundError
 from numerics.files import read_json
 from numerics.sweep import sweep
@@ -247,9 +247,15 @@ def compute(
 
 
 def collected(points: list[Point], coarse: bool) -> str:
-    """The points as one JSON text, the same bytes for the same points."""
+    """The points as one JSON text, the same bytes for the same points.
+
+    Raises
+    ------
+    ResultError
+        A number that is infinite or none.
+    """
     content = {"specification": specification(coarse), "coarse": coarse, "points": points}
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(content, indent=1, ensure_ascii=False) + "\n"
 
 
 def read_collected(path: Path) -> tuple[list[Point], bool]:

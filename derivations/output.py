@@ -130,14 +130,19 @@ def show(fields: dict[str, Any], text: str, as_json: bool) -> None:
     print(line if as_json else text.rstrip("\n"))
 
 
-def json_text(fields: Any, indent: int | None = None) -> str:
+def json_text(fields: Any, indent: int | None = None, ensure_ascii: bool = True) -> str:
     """JSON, as all commands and files have it: never NaN, never Infinity.
+
+    Raises
+    ------
+    ResultError
+        As :func:`show`.
 
     >>> json_text({"a": [1, 2.5, None]})
     '{"a": [1, 2.5, null]}'
     """
     try:
-        return json.dumps(fields, allow_nan=False, indent=indent)
+        return json.dumps(fields, allow_nan=False, indent=indent, ensure_ascii=ensure_ascii)
     except ValueError:
         from asymptotics.errors import ResultError
 

@@ -164,8 +164,8 @@ def not_written_here(path: Path, kind: str, what: str | Exception) -> FileError:
     )
 
 
-def read_json(path: Path, remedy: str, nan: bool = False) -> Any:
-    """What a JSON file holds; NaN and infinities only if asked for: JSON has none.
+def read_json(path: Path, remedy: str) -> Any:
+    """What a JSON file holds; NaN and infinities are refused: JSON has none.
 
     ``remedy`` is what to do about a file that cannot be read.
 
@@ -179,8 +179,7 @@ def read_json(path: Path, remedy: str, nan: bool = False) -> Any:
             raw = stream.read(LARGEST_JSON + 1)
         if len(raw) > LARGEST_JSON:
             raise ValueError(f"it has more than {LARGEST_JSON} bytes")
-        number = float if nan else _finite
-        return json.loads(raw, parse_constant=number, parse_float=number)
+        return json.loads(raw, parse_constant=_finite, parse_float=_finite)
     except OSError as error:
         raise FileError(f"cannot read {path}: {_reason(error)}. {remedy}") from error
     except (ValueError, RecursionError, MemoryError) as error:

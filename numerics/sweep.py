@@ -48,7 +48,7 @@ def sweep(
     work
         A function at the top of a module, so that other processes can import it.
     tasks
-        Dictionaries of JSON values; numbers may be NumPy's, in results too.
+        Dictionaries of JSON values; numbers may be NumPy's, in results too, but must be finite.
     folder
         Where results are kept, and come back from as plain Python values; without it they are in
         memory only.
@@ -67,8 +67,8 @@ def sweep(
     Raises
     ------
     InputError
-        Two equal tasks, a task or a result to be kept that is not JSON, no worker, or ``work``
-        that other processes cannot import.
+        Two equal tasks, a task or a result to be kept that is not JSON (NaN is not), no worker, or
+        ``work`` that other processes cannot import.
     FileError
         A file in the folder is damaged or of another specification, or cannot be written.
     WorkerError
@@ -179,10 +179,10 @@ def _name(task: Task) -> str:
 
 def _spelling(content: Any) -> str:
     try:
-        return json.dumps(content, sort_keys=True, allow_nan=True, default=_plain)
+        return json.dumps(content, sort_keys=True, allow_nan=False, default=_plain)
     except (TypeError, ValueError, RecursionError) as error:
         raise InputError(
-            f"{reprlib.repr(content)} is not JSON ({error}); give plain numbers and words"
+            f"{reprlib.repr(content)} is not JSON ({error}); give plain finite numbers and words"
         ) from None
 
 
@@ -205,7 +205,7 @@ def _write(path: Path, specification: str, task: Task, result: Result) -> Result
         "result": result,
         "seal": _seal(specification, task, result),
     }
-    text = json.dumps(content, indent=1, default=_plain)
+    text = json.dumps(content, indent=1, allow_nan=False, default=_plain)
     if len(text) > LARGEST_JSON:
         raise InputError(
             f"the result of {reprlib.repr(task)} takes {len(text)} bytes of JSON, more than "
@@ -227,14 +227,14 @@ def _read(path: Path, specification: str, task: Task) -> Result | None:
         return None
     remedy = "Delete it, and its result will be computed again"
     try:
-        content = read_json(path, remedy, nan=True)
+        content = read_json(path, remedy)
         parts = content["specification"], content["task"], content["result"]
         whole = content["seal"] == _seal(*parts)
     except (InputError, KeyError, TypeError) as error:
         raise FileError(f"{path} is damaged ({error!r}). {remedy}") from error
     if not whole:
         raise FileError(f"{path} is not what was written: its seal does not fit. {remedy}")
-    # As they are spelt: a tuple is read back as a list, and NaN is not equal to itself.
+    # As they are spelt: a tuple is read back as a list.
     if _spelling(parts[:2]) != _spelling([specification, task]):
         raise FileError(
             f"{path} belongs to another sweep ({parts[0]!r}, task {parts[1]!r}; wanted "

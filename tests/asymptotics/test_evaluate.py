@@ -143,6 +143,22 @@ def test_a_series_that_loses_its_ordering_says_so_at_once() -> None:
     assert done == [1, 2, 3, 4, 5, 6, 7]
 
 
+def test_a_negative_epsilon_is_half_a_period_later() -> None:
+    half, tau = math.pi / 0.83, np.array([0.0, 0.9, 2.5])
+    minus = evaluate(0.83, -0.05, 4, [-0.5], tau)
+    plus = evaluate(0.83, 0.05, 4, [-0.5], tau + half)
+    np.testing.assert_allclose(minus.contact, plus.contact, rtol=1e-13)
+    np.testing.assert_allclose(minus.profile, plus.profile, rtol=1e-12)
+
+
+def test_progress_goes_through_the_orders_and_then_the_profile_s() -> None:
+    """The profile's as often as its digits ask for."""
+    done: list[int] = []
+    evaluate(0.83, 0.02, 4, [-0.5], [0.0], progress=done.append)
+    assert done[:4] == [1, 2, 3, 4]
+    assert done[4:] == [5, 6, 7, 8] * (len(done[4:]) // 4) != []
+
+
 def test_too_little_memory_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
     def exhausted(*_: object) -> None:
         raise MemoryError

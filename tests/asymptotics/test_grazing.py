@@ -59,6 +59,23 @@ def test_the_second_order_is_no_more_than_twice_what_it_must_be(cell, centre):
 
 
 @pytest.mark.parametrize("harmonics", CASES, ids=str)
+def test_each_second_derivative_has_its_bound(harmonics):
+    """Each by itself: their sum in a cell leaves room that hides a bound that is false."""
+    profile, step = _Profile(harmonics), 1e-5
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, math.pi, 61), np.linspace(0, 12, 241)))
+    along_x = [profile.gradient(x + sign * step, y) for sign in (1, -1)]
+    along_y = [profile.gradient(x, y + sign * step) for sign in (1, -1)]
+    xx, xy = ((above - below) / (2 * step) for above, below in zip(*along_x, strict=True))
+    yy = (along_y[0][1] - along_y[1][1]) / (2 * step)
+    slack = 1 + 1e-6
+    assert np.abs(xx).max() <= profile.xx * slack
+    assert np.abs(xy).max() <= profile.xy * slack
+    assert np.abs(yy).max() <= profile.yy * slack
+    if len(harmonics) == 1:  # R_xy = −2ak² sin kx ψ′(ky), and ψ′(0) = 1/6
+        assert np.abs(xy).max() == pytest.approx(profile.xy, rel=1e-2)
+
+
+@pytest.mark.parametrize("harmonics", CASES, ids=str)
 @pytest.mark.parametrize("part", [0.9, 0.3, 0.05])
 def test_beyond_the_reach_there_is_no_value_as_large(harmonics, part):
     profile = _Profile(harmonics)

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from functools import cache
+from math import gcd
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,9 @@ from asymptotics import ClosedForms, exact_string, expand
 from asymptotics.beam_latex import beam_latex
 from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.closed_form import symbols
-from asymptotics.equations import COLUMNS
+from asymptotics.equations import COLUMNS, aligned
 from asymptotics.errors import InputError
+from asymptotics.formula_trees import cosine_sum
 from asymptotics.latex import (
     contact_equation,
     formula_sets,
@@ -29,7 +31,8 @@ from asymptotics.latex import (
     shape_equation,
 )
 from asymptotics.normal_form import resonance_cosines
-from asymptotics.widths import width
+from asymptotics.text import _resonance
+from asymptotics.widths import Limits, Piece, break_lines, width
 
 STYLES = ("cotangent", "circular")
 POINT = {"Omega": "0.8317", "epsilon": "0.0371", "s": "-0.6173", "xi": "0.4139", "tau": "1.2791"}
@@ -238,6 +241,27 @@ def test_symbols_are_defined_where_they_are_used() -> None:
     assert r"\kappa_{j}\equiv\cot j\Omega" in files(6, "cotangent", "two")["profile.tex"]
 
 
+def exact_resonance(q: int) -> mpf:
+    """ζ^{−φ/2} Φ_q(ζ), ζ = e^{2iΩ}, over the 2 that all its cosines share where q = 2^n."""
+    zeta, roots = (
+        mp.expjpi(2 * mpf(POINT["Omega"]) / mp.pi),
+        [p for p in range(q) if gcd(p, q) == 1],
+    )
+    product = mp.fprod(zeta - mp.expjpi(mpf(2 * p) / q) for p in roots)
+    value = mp.re(product * zeta ** (-mpf(len(roots)) / 2))
+    return value / 2 if q in (2, 4, 8, 16) else value
+
+
+@pytest.mark.parametrize("q", range(2, 17))
+def test_the_factor_of_a_resonance_is_the_cyclotomic_polynomial_s(q: int) -> None:
+    """In LaTeX and as text, also beyond the orders of the other tests: T_6 = 2 cos 2Ω − 1."""
+    with mp.workdps(DIGITS + 20):
+        wanted = exact_resonance(q)
+        text = _resonance(q, 1).replace(" cos", "*cos")
+        assert close(Reader(cosine_sum(q), point()).value(), wanted)
+        assert close(eval(text, {"cos": mp.cos, "Omega": mpf(POINT["Omega"])}), wanted)
+
+
 def test_second_harmonic_is_the_papers_and_fits_one_line() -> None:
     forms = closed_forms(3, "cotangent")
     assert profile_equation(forms, 2, "one") == (
@@ -373,6 +397,13 @@ def test_long_formulas_have_an_align_of_their_own(style: str) -> None:
     assert len(displays(files(4, style, "two")["profile.tex"])) == 1
 
 
+def test_an_align_takes_equations_as_long_as_their_rows_fit() -> None:
+    sizes = [20, 20, 20, 1, 59, 1, 90, 30, 30]
+    text = aligned("\\\\\n".join(["&a"] * size) for size in sizes)
+    blocks = text.split("\\begin{align}\n")[1:]
+    assert [block.count("&a") for block in blocks] == [60, 60, 1, 90, 60]
+
+
 @pytest.mark.parametrize("order", [3, 4, 5])
 def test_every_row_of_the_beam_stays_in_the_column(order: int) -> None:
     text = beam_latex(expand_symbolic(order))
@@ -474,6 +505,16 @@ def test_widths_are_those_of_tex(tmp_path: Path) -> None:
     assert len(printed) == len(lines) > 200
     for line, wanted in zip(lines, printed, strict=True):
         assert -0.5 <= width(line) - wanted <= 0.03 * wanted + 3, line
+
+
+@pytest.mark.parametrize(("count", "filled"), [(5, [3, 2]), (6, [3, 3]), (7, [3, 3, 1])])
+def test_of_fillings_with_equally_many_lines_the_fullest_first(
+    count: int, filled: list[int]
+) -> None:
+    """[2, 3] and [3, 1, 3] would fit as well."""
+    items = [Piece("s", 0), *(Piece("+s", 0) for _ in range(count - 1))]
+    lines = break_lines(items, Limits(width("+s+s+s") + 1))
+    assert [line.count("s") for line in lines] == filled
 
 
 # -- arguments -------------------------------------------------------------------------------------

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import random
+import re
 import subprocess
 import sys
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -19,7 +21,7 @@ from mpmath import mp, mpf
 from asymptotics import ClosedForms, Expansion, expand, float_string
 from asymptotics.errors import ResonanceError
 from asymptotics.evaluate import evaluate
-from asymptotics.numpy_code import numpy_module
+from asymptotics.numpy_code import _term, numpy_module
 
 UNIT = 2.0**-53
 
@@ -480,3 +482,31 @@ def test_cotangents_are_right_next_to_their_poles(modules: dict[int, ModuleType]
             for k, value in enumerate(found, start=1):
                 exact = mpmath.cot(k * mpf(float(omega)))
                 assert abs(value - exact) <= 6 * UNIT * abs(exact)
+
+
+@pytest.mark.parametrize("above", [1, 3, 2**53 - 1, 2**53 + 1, 3**50])
+@pytest.mark.parametrize("below", [1, 7, 2**53 - 1, 2**53 + 1, 7**40])
+@pytest.mark.parametrize("names", [[], ["a"], ["a", "", "b"]])
+def test_a_term_is_its_fraction_however_large(above: int, below: int, names: list[str]) -> None:
+    """Integers that no double holds are divided exactly, and then rounded once."""
+    for factor in (Fraction(above, below), -Fraction(above, below)):
+        text = _term(factor, names)
+        found = eval(f"0.0 {text}", {"a": 4.0, "b": 0.5})
+        exact = factor * {0: 1, 1: 4, 3: 2}[len(names)]
+        assert text[0] in "+-"
+        assert abs(Fraction(found) - exact) <= Fraction(2) ** -51 * abs(exact)
+        integers = [int(digits) for digits in re.findall(r"(?<![\d.e+-])\d+(?![\d.e])", text)]
+        assert max(integers, default=0) < 2**53
+
+
+def test_beyond_the_driven_end_at_some_time_there_is_no_result_then(
+    modules: dict[int, ModuleType],
+) -> None:
+    """Also for positions that the rope reaches at its mean length, and at other times."""
+    tau = np.linspace(0.0, 2 * math.pi / 0.83, 33)
+    contact = modules[4].contact(tau, 0.83, 0.05)
+    s = -(1 + 1e-3) * contact[contact < np.mean(contact) - 2e-3]
+    short = tau[contact < np.mean(contact) - 2e-3]
+    assert len(s) > 5
+    assert np.isnan(modules[4].profile(s, short, 0.83, 0.05)).all()
+    assert np.isfinite(modules[4].profile(0.998 * s, short, 0.83, 0.05)).all()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asymptotics.errors import InputError
+from asymptotics.errors import InputError, ResultError
 from derivations import figure2
 from derivations.app import app, main
 from derivations.figure2_command import figure2 as command
@@ -228,6 +228,13 @@ def test_collected_data_come_back_and_others_are_refused(tmp_path: Path) -> None
     path.write_text(json.dumps(content))
     with pytest.raises(FileError, match="Compute it anew"):
         figure2.read_collected(path)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_nothing_but_numbers_is_collected(value: float) -> None:
+    points = [synthetic()[0] | {"omega": value}]
+    with pytest.raises(ResultError, match=r"points\[0\]\.omega = .* is no number"):
+        figure2.collected(points, True)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from numerics.trapezoidal import ROUNDS, complementarity, factor, revise, sweep
+from numerics.trapezoidal import ROUNDS, complementarity, factor, multiplier, revise, sweep
 from tests.numerics.by_hand import EPS
 
 
@@ -137,6 +137,17 @@ def test_window_grows():
     np.testing.assert_array_equal(active, held)
     np.testing.assert_allclose(x, whole, rtol=0, atol=64 * EPS * whole.max())
     assert (whole > 0).sum() > 5
+
+
+def test_the_multiplier_of_a_held_node_is_its_row_of_the_matrix():
+    n, rng = 8, np.random.default_rng(4)
+    upper = np.tril(np.triu(rng.normal(size=(n, n))), 2)
+    matrix = upper + np.triu(upper, 1).T
+    right, x = rng.normal(size=n), rng.normal(size=n)
+    for i in range(n):
+        rest = np.where(np.arange(n) == i, 0.0, x)  # a node that is held lies on the ground
+        expected = matrix[i] @ rest - right[i]
+        assert abs(multiplier(bands_of(matrix), right, rest, i) - expected) < 64 * EPS
 
 
 def whole_rounds(bands, right, obstacle, active) -> tuple[np.ndarray, np.ndarray, int, float]:

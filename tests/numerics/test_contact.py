@@ -10,9 +10,9 @@ import pytest
 from numerics import simulation
 from numerics.contact import Scheme, Simulator, equilibrium, run_steps
 from numerics.drive import Drive, at_rest, cosine, ramped_cosine
-from numerics.errors import InputError
+from numerics.errors import ActiveSetError, InputError
 from numerics.exact_solutions import travelling_pulse
-from numerics.observables import COLUMNS, Column, contact_point
+from numerics.observables import COLUMNS, Column, contact_point, elastic_force, moving_size
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid, State, rope, string_on_obstacle
 from numerics.simulation import follow, simulate
@@ -257,6 +257,31 @@ def test_a_single_node_on_the_ground_is_pushed_up_or_not_at_all(push):
     assert contact_point(system, force, held) == (system.positions[40], max(push, 0.0), 40)
 
 
+@pytest.mark.parametrize("size", range(4, 11))
+def test_the_elastic_force_is_that_of_the_whole_matrix(size):
+    """Every entry of K counts at its place, also where a rope would have equal ones."""
+    rng = np.random.default_rng(size)
+    n = 10
+    bands, height, force = rng.normal(size=(3, n)), rng.normal(size=n), np.zeros(n)
+    bands[1, -1:] = bands[2, -2:] = 0.0
+    height[size:] = 0.0
+    k0, k1, k2 = bands
+    matrix = np.diag(k0) + np.diag(k1[:-1], 1) + np.diag(k2[:-2], 2)
+    matrix += np.triu(matrix, 1).T
+    elastic_force(bands, height, size, force)
+    np.testing.assert_allclose(force[:size], (matrix @ height)[:size], rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("last", range(6))
+def test_the_moving_part_ends_with_the_last_node_that_is_not_at_rest(last):
+    for up, down in ((1.0, 0.0), (0.0, -1.0)):
+        height, velocity = np.zeros(6), np.zeros(6)
+        height[last], velocity[last] = up, down
+        assert moving_size(height, velocity, False) == last + 1
+        assert moving_size(height, velocity, True) == 6
+    assert moving_size(np.zeros(6), np.zeros(6), False) == 0
+
+
 def test_weightless_string_at_rest():
     """No load, no force, so no contact point between the nodes; and no division by it."""
     system = string_on_obstacle(20)
@@ -286,3 +311,22 @@ def test_rows_are_kept_of_a_drive_without_a_period(monkeypatch):
     run = simulate(RopeProblem(0.01, sampled), 2.0, Grid(0.02, 2.5, 0.0))
     assert len(run.times) in (70, 71)
     assert run.times[-1] == pytest.approx(2.0)
+
+
+def test_a_step_that_does_not_end_is_an_error_and_the_state_before_it_is_kept(monkeypatch):
+    def three(system, scheme, dt, restitution, heights, state, ledger, rows):
+        steps = min(3, len(rows))
+        return run_steps(
+            system, scheme, dt, restitution, heights[: steps + 2], state, ledger, rows[:steps]
+        )
+
+    problem = RopeProblem(0.01, ramped_cosine(2.5, 0.05, 5))
+    broken, whole = (Simulator(problem, Grid(0.02, 3.0, 0.0)) for _ in range(2))
+    for _ in whole.blocks(3 * whole.dt):
+        pass
+    monkeypatch.setattr("numerics.contact.run_steps", three)
+    with pytest.raises(ActiveSetError, match=r"the active set of step 4 \(tau = 0\.06\)"):
+        next(broken.blocks(1.0))
+    assert broken.step == 3
+    np.testing.assert_array_equal(broken.state.height, whole.state.height)
+    assert broken.unexplained == whole.unexplained

@@ -80,8 +80,7 @@ def test_another_specification_is_refused(tmp_path: Path) -> None:
         sweep(square, TASKS[:1], tmp_path, "dx = 0.02")
 
 
-@pytest.mark.parametrize("value", [(1, 2), math.nan])
-def test_what_json_reads_back_otherwise_is_still_the_same_task(tmp_path: Path, value: Any) -> None:
+def test_what_json_reads_back_otherwise_is_still_the_same_task(tmp_path: Path) -> None:
     calls: list[Any] = []
 
     def work(task: dict[str, Any]) -> dict[str, Any]:
@@ -89,13 +88,15 @@ def test_what_json_reads_back_otherwise_is_still_the_same_task(tmp_path: Path, v
         return {"y": 1}
 
     for _ in range(2):
-        assert sweep(work, [{"x": value}], str(tmp_path)) == [{"y": 1}]
+        assert sweep(work, [{"x": (1, 2)}], str(tmp_path)) == [{"y": 1}]
     assert len(calls) == 1
 
 
 def test_bad_arguments() -> None:
     with pytest.raises(InputError, match="not JSON"):
         sweep(square, [{"x": {1}}])
+    with pytest.raises(InputError, match=r"nan.* is not JSON"):
+        sweep(square, [{"x": math.nan}])
     with pytest.raises(InputError, match=r"workers = 1\.5"):
         sweep(square, TASKS, workers=1.5)
     with pytest.raises(InputError, match="equal"):
@@ -107,7 +108,7 @@ def test_bad_arguments() -> None:
 def of_numpy(task: dict[str, Any]) -> dict[str, Any]:
     return {
         "f8": np.float64(task["x"]), "f4": np.float32(0.5), "i": np.int64(task["x"]),
-        "b": np.bool_(True), "many": (np.int8(1), 2.0), "nan": np.float64(math.nan),
+        "b": np.bool_(True), "many": (np.int8(1), 2.0),
     }  # fmt: skip
 
 
@@ -116,15 +117,16 @@ def test_numpy_scalars_are_numbers(tmp_path: Path) -> None:
     task = {"x": np.int64(3)}
     first = sweep(of_numpy, [task], tmp_path)
     assert repr(first) == repr(sweep(of_numpy, [{"x": 3}], tmp_path))
-    assert repr(first[0]) == (
-        "{'f8': 3.0, 'f4': 0.5, 'i': 3, 'b': True, 'many': [1, 2.0], 'nan': nan}"
-    )
+    assert repr(first[0]) == "{'f8': 3.0, 'f4': 0.5, 'i': 3, 'b': True, 'many': [1, 2.0]}"
     assert len(list(tmp_path.iterdir())) == 1
 
 
-@pytest.mark.parametrize("value", [np.zeros(2), np.complex128(1j), {1}, object()])
+@pytest.mark.parametrize(
+    "value",
+    [np.zeros(2), np.complex128(1j), {1}, object(), math.nan, [-math.inf], np.float32("nan")],
+)
 def test_other_results_are_one_clear_error(value: Any, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"is not JSON .*give plain numbers and words"):
+    with pytest.raises(InputError, match=r"is not JSON .*give plain finite numbers and words"):
         sweep(lambda _: {"y": value}, TASKS[:1], tmp_path)
     assert list(tmp_path.iterdir()) == []
 
