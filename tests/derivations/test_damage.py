@@ -19,7 +19,7 @@ from derivations.figure2_points import check_points
 from numerics import checkpoint, run_files
 from numerics.contact import Simulator
 from numerics.drive import ramped_cosine
-from numerics.errors import FileError
+from numerics.errors import FileError, InputError
 from numerics.files import LARGEST_JSON, read_json
 from numerics.problem import RopeProblem
 from numerics.semi_discrete import Grid
@@ -134,6 +134,14 @@ def test_changed_points(tmp_path: Path) -> None:
     assert count > 2 * CASES
 
 
+def _seal_of(parts: list[Any]) -> str:
+    """The seal of a result; a NaN, which no sweep writes, is refused before the seal is looked at."""
+    try:
+        return _seal(*parts)
+    except InputError:
+        return "0" * 64
+
+
 def test_changed_results_of_a_sweep(tmp_path: Path) -> None:
     """With a new seal a result is what it says; where it is used as a point it is looked at."""
     task = figure2.tasks(True)[0]
@@ -145,7 +153,7 @@ def test_changed_results_of_a_sweep(tmp_path: Path) -> None:
     for number in range(2 * CASES):
         changed = harm_json(content, chance)
         parts = [changed.get(name) for name in ("specification", "task", "result")]
-        changed["seal"] = _seal(*parts)  # type: ignore[arg-type]
+        changed["seal"] = _seal_of(parts)
         raw = spelled(changed)
         path.write_bytes(harm(raw, chance) if number % 2 else raw)
         count += refused(lambda: figure2.compute(True, tmp_path, wanted=[task]))
