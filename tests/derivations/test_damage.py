@@ -135,7 +135,7 @@ def test_changed_points(tmp_path: Path) -> None:
 
 
 def _seal_of(parts: list[Any]) -> str:
-    """The seal of a result; a NaN, which no sweep writes, is refused before the seal is looked at."""
+    """The seal of a result; a NaN, which no sweep writes, is refused before its seal counts."""
     try:
         return _seal(*parts)
     except InputError:
