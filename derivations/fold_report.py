@@ -55,7 +55,8 @@ def fold_text(result: Fold) -> str:
         *(f"  {line}" for line in [*_laws(result), *result.meaning]),
         *_range(result),
         f"string  at beta = 0: eps = {float(result.string_epsilon(1.0)):.6g} "
-        f"|mu|^({Fraction(2, q)}), the law of another rope",
+        f"|mu|^({Fraction(2, q)}), the law of another rope; ropewave tongue {result.p}/{q} says "
+        "how far it holds",
     ]
     return "\n".join(lines) + "\n"
 
