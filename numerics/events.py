@@ -35,6 +35,10 @@ from numerics.drive import Array, positive
 from numerics.errors import InputError
 from numerics.observables import COLUMNS, Column
 
+LONGEST = 8192
+"""Steps that one line through the contact point may take."""
+_PART = 1 << 22  # numbers that are made at a time
+
 SPAN = 12
 """Default span of the contact speed's line, in units of dx/c."""
 
@@ -111,7 +115,7 @@ class EventFinder:
     Raises
     ------
     InputError
-        A parameter that is not positive.
+        A parameter that is not positive, or dt so small that the lines have more than 8192 steps.
 
     Examples
     --------
@@ -133,6 +137,12 @@ class EventFinder:
         self.height = positive("height", height)
         span = SPAN * self.dx if span is None else span
         self.window = max(stride("span", span, self.dt), 3)
+        if self.window > LONGEST:
+            raise InputError(
+                f"dt = {dt!r}: a line through the contact point would take {self.window} steps, "
+                f"more than {LONGEST}; a step that is small against dx = {dx!r} resolves nothing "
+                f"that the grid has: give dt >= {span / LONGEST:.2g}"
+            )
         self._times, self._rows = np.empty(0), np.empty((0, COLUMNS))
         self._sonic: Event | None = None
         self.fastest: Event | None = None
@@ -264,8 +274,13 @@ def contact_speed(
     place = dt * (np.arange(steps + 1) - 0.5 * steps)
     weight = place @ place
     slope = lines @ place / weight
-    rest = lines - lines.mean(axis=1, keepdims=True) - slope[:, None] * place
-    error = np.sqrt((rest * rest).sum(axis=1) / max(steps - 1, 1) / weight)
+    squares, part = np.empty(len(slope)), max(_PART // (steps + 1), 1)
+    for first in range(0, len(slope), part):
+        some = lines[first : first + part]
+        tilt = slope[first : first + part, None] * place
+        rest = some - some.mean(axis=1, keepdims=True) - tilt
+        squares[first : first + part] = (rest * rest).sum(axis=1)
+    error = np.sqrt(squares / max(steps - 1, 1) / weight)
     with np.errstate(invalid="ignore"):
         cut = (bump[1:] > 0) | (bump[:-1] > 0)
         jump = cut & (np.abs(np.diff(contact)) > 3 * max(dx, dt))

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from numerics import events
 from numerics.contact import Block, Scheme, Simulator
 from numerics.drive import at_rest, ramped_cosine
 from numerics.errors import InputError
@@ -14,6 +15,7 @@ from numerics.event_study import Variant, first_event, study
 from numerics.events import (
     EventFinder,
     EventKind,
+    contact_speed,
     fastest_contact,
 )
 from numerics.exact_solutions import travelling_pulse
@@ -272,3 +274,16 @@ def test_bad_measures(wrong):
 def test_bad_parameters(bad):
     with pytest.raises(InputError):
         EventFinder(**({"dx": DX, "dt": DX, "height": 1e-3} | bad))
+
+
+def test_a_step_that_resolves_nothing_is_refused() -> None:
+    with pytest.raises(InputError, match="would take 30000 steps, more than 8192"):
+        EventFinder(0.025, 1e-5, height=1e-3)
+
+
+def test_lines_are_the_same_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    contact = 1 + 0.1 * np.random.default_rng(3).random(60)
+    whole = contact_speed(contact, np.zeros(60), 0.1, 0.1, 7)
+    monkeypatch.setattr(events, "_PART", 20)
+    for one, other in zip(whole, contact_speed(contact, np.zeros(60), 0.1, 0.1, 7), strict=True):
+        assert np.array_equal(one, other)
