@@ -142,7 +142,11 @@ def table(rivals: list[str], spacings: list[float], effects: bool) -> None:
             for outcome in rest:
                 print(row("ropewave from rest", outcome, front), flush=True)
         for dx in spacings:
-            outcome = RIVALS[name](dx)
+            try:
+                outcome = RIVALS[name](dx)
+            except Exception as error:  # that a rival gives up is a result too
+                print(f"{name} {version(name)} at dx = {dx:g} gives up: {error}", flush=True)
+                continue
             print(row(f"{outcome.name} {version(name)}", outcome, front), flush=True)
         for key, value in EFFECTS if effects else ():
             outcome = RIVALS[name](spacings[len(spacings) // 2], **{key: value})
