@@ -22,13 +22,14 @@ from :mod:`asymptotics.static_shape`, whose forms do not.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from asymptotics.beam_numbers import Numbers, balls, doubles
+from asymptotics.beam_numbers import Numbers, balls, complex_balls, doubles
 from asymptotics.beam_waves import (
     StaticBeam,
     Waves,
@@ -36,9 +37,10 @@ from asymptotics.beam_waves import (
     static_end_residuals,
     waves,
 )
+from asymptotics.bounded import Bounded, bounded
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.pickling import remembering
-from asymptotics.problem import RESOLUTION, Mode, Problem
+from asymptotics.problem import RESOLUTION, Mode, Problem, Sweep
 from asymptotics.static_shape import boundary_slope, check_driven_end, contact_point
 
 
@@ -144,9 +146,10 @@ def beam(
     driven_end
         ``pinned`` (default) or ``clamped``; the small parameter is ε.
     numbers
-        One of :mod:`asymptotics.beam_numbers`'s. By default one real β and Ω are expanded over
-        balls and rounded to doubles (:mod:`asymptotics.rounded`); arrays and complex Ω are doubles
-        throughout, whose errors at order n grow like β^{−(n−1)/2} times 2⁻⁵².
+        One of :mod:`asymptotics.beam_numbers`'s. By default one β and Ω are expanded over balls and
+        rounded to doubles (:mod:`asymptotics.rounded`); arrays in doubles with a bound of each
+        number's error, and over balls at the points where that is large
+        (:mod:`asymptotics.swept`).
     static
         The static shape, when already computed for this β.
 
@@ -165,10 +168,9 @@ def beam(
     """
     if numbers is None:
         problem = beam(beta, omega, driven_end, doubles(), static)
-        if is_scalar(beta, omega):
-            exact = float(beta), float(omega)
-            problem = replace(problem, balls=lambda: beam(*exact, driven_end, balls()))
-        return problem
+        if np.ndim(beta) == np.ndim(omega) == 0:
+            return replace(problem, balls=enclosed(beta, omega, driven_end, beam))
+        return replace(problem, sweep=swept(beta, omega, driven_end, beam))
     shape = static_beam(beta, driven_end, numbers) if static is None else static
     omega, beta, ring = numbers.convert(omega), shape.beta, numbers.ring
 
@@ -206,9 +208,39 @@ def beam(
     )
 
 
-def is_scalar(*values: Any) -> bool:
-    """Whether these are real numbers, not arrays."""
-    return all(np.ndim(value) == 0 and not np.iscomplexobj(value) for value in values)
+def enclosed(beta: Any, omega: Any, driven_end: str, made: Callable[..., Any]) -> Callable[[], Any]:
+    """What ``made``, called like :func:`beam`, gives over balls of the doubles as they stand.
+
+    Ω may be complex: then the balls are, but for the static shape.
+    """
+    if not np.iscomplexobj(omega):
+        return lambda: made(float(beta), float(omega), driven_end, balls(), None)
+
+    def continued() -> Any:
+        static = static_beam(float(beta), driven_end, balls())
+        return made(float(beta), complex(omega), driven_end, complex_balls(), static)
+
+    return continued
+
+
+# To a few units in the last place, as the tests hold against digits; see static_shape.
+_STATIC = 64 * 2.0**-53
+
+
+def swept(beta: Any, omega: Any, driven_end: str, made: Callable[..., Any]) -> Sweep:
+    """The same over bounded doubles for arrays, and at each of their points."""
+    betas, omegas = np.broadcast_arrays(beta, omega)
+
+    def bounded_doubles() -> Any:
+        shape = static_beam(beta, driven_end)
+        place, a3 = (Bounded(x, _STATIC * abs(x)) for x in (shape.contact_point, shape.a3))
+        static = StaticBeam(Bounded(shape.beta), shape.driven_end, place, a3)
+        return made(beta, omega, driven_end, bounded(), static)
+
+    def at(index: int) -> Any:
+        return made(betas.flat[index].item(), omegas.flat[index].item(), driven_end, None, None)
+
+    return Sweep(betas.shape, bounded_doubles, at)
 
 
 def _spelled(value: Any) -> str:

@@ -113,5 +113,23 @@ def balls() -> Numbers:
             y,
         )
 
-    functions = (arb.sqrt, arb.exp, arb.sin, arb.cos)
-    return Numbers(NumberRing(arb), arb, *functions, solve)
+    sqrt, exp, sin, cos = _methods(arb)
+    return Numbers(NumberRing(arb), arb, sqrt, exp, sin, cos, solve)
+
+
+@remembering
+def complex_balls() -> Numbers:
+    """The same for complex Ω; the static shape is real, and comes from :func:`balls`."""
+    from flint import acb
+
+    sqrt, exp, sin, cos = _methods(acb)
+    return Numbers(NumberRing(acb), acb, sqrt, exp, sin, cos, None)
+
+
+def _methods(kind: type) -> tuple[Callable[[Any], Any], ...]:
+    """√, exp, sin and cos of balls. Called unbound, those methods read any other type's memory."""
+
+    def method(name: str) -> Callable[[Any], Any]:
+        return lambda ball: getattr(kind(ball), name)()
+
+    return method("sqrt"), method("exp"), method("sin"), method("cos")

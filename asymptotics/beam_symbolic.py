@@ -28,15 +28,17 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
+import numpy as np
 from flint import arb, ctx, fmpq_mpoly
 
-from asymptotics.beam import beam, is_scalar, static_beam
-from asymptotics.beam_numbers import Numbers, balls, doubles
+from asymptotics.beam import beam, enclosed, static_beam, swept
+from asymptotics.beam_numbers import Numbers, doubles
 from asymptotics.beam_waves import StaticBeam
+from asymptotics.bounded import lifted
 from asymptotics.errors import InputError
 from asymptotics.expansion import Expansion, check_order, expand
 from asymptotics.pickling import Remembered, remembering
-from asymptotics.problem import Mode, Problem
+from asymptotics.problem import RESOLUTION, Mode, Problem, Sweep
 from asymptotics.rings import GeneratorRing
 from asymptotics.rounded import rounded_value
 
@@ -135,18 +137,21 @@ def expand_symbolic(order: int) -> Expansion[fmpq_mpoly]:
 class Impedances(Remembered):
     """Values of the generators at one β and Ω, and a₃ to turn ε into ε̂ = ε/a₃.
 
-    ``balls`` makes the same values as balls, in the precision of the moment.
+    ``balls`` makes the same values as balls, in the precision of the moment; where they are arrays,
+    ``sweep`` makes them with bounds of their errors.
     """
 
     values: Mapping[str, Any]
     a3: Any
     balls: Callable[[], Impedances] | None = field(default=None, repr=False)
+    sweep: Sweep | None = field(default=None, repr=False)
 
     def evaluate(self, element: fmpq_mpoly, number: Callable[[int], Any] = float) -> Any:
         """The element's value, term by term.
 
         Its terms cancel, the more the smaller β is. With ``balls`` a value in doubles is computed
-        there and rounded, all digits right (:func:`asymptotics.rounded.rounded_value`).
+        there and rounded, all digits right (:func:`asymptotics.rounded.rounded_value`); so are the
+        points of arrays where less than half the digits are sure.
 
         >>> point = impedances(0.01, 2.2, 1)
         >>> ring = GeneratorRing(generator_names(1))
@@ -156,6 +161,8 @@ class Impedances(Remembered):
         if self.balls is not None and number is float:
             exact = self.balls
             return rounded_value(lambda: exact().evaluate(element, arb), f"a value of {element}")
+        if self.sweep is not None and number is float:
+            return _swept_value(self.sweep, element)
         names = element.context().names()
         total = number(0)
         for powers, coefficient in element.terms():
@@ -165,6 +172,15 @@ class Impedances(Remembered):
                     term = term * self.values[name] ** int(power)
             total = total + term
         return total
+
+
+def _swept_value(sweep: Sweep, element: fmpq_mpoly) -> Any:
+    found = lifted(sweep.bounded().evaluate(element, lifted))
+    value = np.broadcast_to(found.value, sweep.shape).copy()
+    sure = np.broadcast_to(found.error <= RESOLUTION * np.abs(found.value), sweep.shape)
+    for index in np.flatnonzero(~sure).tolist():
+        value.flat[index] = sweep.at(index).evaluate(element)
+    return value
 
 
 @remembering
@@ -200,14 +216,13 @@ def impedances(
     order = check_order(order)
     if numbers is None:
         point = impedances(beta, omega, order, driven_end, doubles(), static)
-        if not is_scalar(beta, omega):
-            return point
-        exact = float(beta), float(omega)
 
-        @cache
-        def at(bits: int) -> Impedances:
-            return impedances(*exact, order, driven_end, balls())
+        def made(b: Any, w: Any, end: str, kind: Numbers | None, shape: Any) -> Impedances:
+            return impedances(b, w, order, end, kind, shape)
 
+        if not np.ndim(beta) == np.ndim(omega) == 0:
+            return replace(point, sweep=swept(beta, omega, driven_end, made))
+        at = cache(lambda bits: enclosed(beta, omega, driven_end, made)())
         return replace(point, balls=lambda: at(ctx.prec))
     shape = static_beam(beta, driven_end, numbers) if static is None else static
     problem = beam(shape.beta, omega, driven_end, numbers, shape)

@@ -184,6 +184,11 @@ def expansions(
 
         yield from rounded_expansions(problem, order, start)
         return
+    if problem.sweep is not None:
+        from asymptotics.swept import swept_expansions
+
+        yield from swept_expansions(problem, order, start)
+        return
     orders = list(start.orders) if start is not None else []
     towers = _Towers(problem)
     for n, known in enumerate(orders, start=1):

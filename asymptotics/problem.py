@@ -85,6 +85,8 @@ class Problem(Remembered, Generic[E]):
         Makes the same problem over balls, in the precision of the moment. Where it is given,
         :func:`~asymptotics.expansion.expand` computes there and rounds to doubles, all digits
         right: see :mod:`asymptotics.rounded`.
+    sweep
+        Where the parameters are arrays: how :mod:`asymptotics.swept` bounds the errors of theirs.
     """
 
     name: str
@@ -102,6 +104,26 @@ class Problem(Remembered, Generic[E]):
     static_end_residual: Callable[[Callable[[int], E]], tuple[E, ...]] = field(repr=False)
     rest: E | None = None
     balls: Callable[[], Problem[Any]] | None = field(default=None, repr=False)
+    sweep: Sweep | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A problem, or what belongs to one, at all points of arrays of parameters.
+
+    Attributes
+    ----------
+    shape
+        Of the arrays, broadcast.
+    bounded
+        Makes it over :class:`~asymptotics.bounded.Bounded` arrays.
+    at
+        Flat index ↦ the same at that point, over numbers that have balls behind them.
+    """
+
+    shape: tuple[int, ...]
+    bounded: Callable[[], Any]
+    at: Callable[[int], Any]
 
 
 def driven_string(

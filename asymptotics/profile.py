@@ -38,6 +38,7 @@ from asymptotics.harmonics import (
 )
 from asymptotics.rings import E, Ring
 from asymptotics.rounded import RoundedExpansion, to_double
+from asymptotics.swept import SweptExpansion
 
 Series = list[Harmonics[E]]
 """A power series in the small parameter, entry n a Fourier series in θ."""
@@ -82,6 +83,8 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
     """
     if isinstance(expansion, RoundedExpansion) and expansion.is_rounded():
         return _rounded_frame(expansion, progress)
+    if isinstance(expansion, SweptExpansion) and expansion.is_swept():
+        return _swept_frame(expansion, progress)
     problem, last = expansion.problem, expansion.order
     ring = problem.ring
     derivative = derivative_towers(expansion)
@@ -140,6 +143,22 @@ def _rounded_frame(expansion: RoundedExpansion, progress: Progress | None) -> Mo
     frame = expansion.certain(lambda balls: moving_frame(balls, progress), groups)
     static = tuple(rounded(series) for series in frame.static)
     modes = {k: tuple(rounded(series) for series in rows) for k, rows in frame.modes.items()}
+    return MovingFrame(expansion, static, modes)
+
+
+def _swept_frame(expansion: SweptExpansion, progress: Progress | None) -> MovingFrame[Any]:
+    """From the bounded doubles, and from balls where these lose too much."""
+
+    def orders(frame: MovingFrame[Any]) -> list[Harmonics[Any]]:
+        return [order for series in chain(frame.static, *frame.modes.values()) for order in series]
+
+    frame, groups = expansion.settled(lambda each: moving_frame(each, progress), orders)
+    settled = iter(groups)
+    static = tuple([next(settled) for _ in series] for series in frame.static)
+    modes = {
+        k: tuple([next(settled) for _ in series] for series in rows)
+        for k, rows in frame.modes.items()
+    }
     return MovingFrame(expansion, static, modes)
 
 

@@ -6,6 +6,7 @@ commutative ring that contains the rationals will do, and the ring decides what 
 ==============================  =================================================================
 :class:`FloatRing`              numbers at one frequency, to high order
 :class:`ComplexRing`            the same with damping, or with a drive that is not even in time
+:class:`~asymptotics.bounded.BoundedRing`  doubles, or arrays of them, that bound their own errors
 :class:`GeneratorRing`          polynomials in named quantities: closed forms of any problem
 :class:`~asymptotics.balls.ArbRing`, :class:`~asymptotics.balls.AcbRing`  certified enclosures
 :class:`~asymptotics.cotangent.CotangentRing`  closed forms, exact in Ω
@@ -71,6 +72,9 @@ class Ring(Protocol[E]):
 class FloatRing:
     """Double precision numbers, or NumPy arrays of them (one entry a frequency).
 
+    What an expansion over them loses to rounding nobody counts: :class:`BoundedRing
+    <asymptotics.bounded.BoundedRing>` does.
+
     >>> ring = FloatRing()
     >>> ring.sum([ring.rational(1, 4), 0.5 * ring.one])
     0.75
@@ -94,7 +98,7 @@ class FloatRing:
 
     def is_zero(self, element: Any) -> bool:
         """Exact zero only; a small number is a number."""
-        if isinstance(element, float):
+        if isinstance(element, float | complex):
             return element == 0.0
         return not element.any()
 

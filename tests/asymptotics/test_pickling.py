@@ -23,6 +23,7 @@ from asymptotics.balls import ball_damped_string, ball_string
 from asymptotics.beam import beam, float_beam
 from asymptotics.beam_numbers import balls, digits
 from asymptotics.beam_symbolic import contact_amplitude, expand_symbolic, impedances
+from asymptotics.bounded import Bounded
 from asymptotics.certified import contact_harmonics, evaluate_certified
 from asymptotics.damped import damped_string, generator_damped_string
 from asymptotics.errors import InputError, ResonanceError, RopewaveError
@@ -79,6 +80,8 @@ def same(a: Any, b: Any) -> bool:
         )
     if isinstance(a, acb):
         return same(a.real, b.real) and same(a.imag, b.imag)
+    if isinstance(a, Bounded):
+        return same(a.value, b.value) and same(a.error, b.error)
     if isinstance(a, np.ndarray):
         return bool(np.array_equal(a, b))
     if isinstance(a, dict):
