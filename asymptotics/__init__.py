@@ -1,5 +1,19 @@
 """Exact asymptotics of a moving contact: SymPy outside, python-flint inside.
 
+===============  =================================================================================
+``rings``        what a coefficient is: exact in Ω, doubles, digits, balls, Laurent series
+``problems``     what is expanded: string, beam, damping, drives; static shapes and spectra
+``expansion``    the order loop, the frame of the contact point, the proof, storage
+``formulas``     ring elements as formulas: normal forms, the zero test
+``printing``     formulas as text, LaTeX and NumPy
+``values``       numbers from an expansion, certified or not; singularities of the series
+``resonances``   p/q, tongues, folds, first touch
+``paper``        the printed formulas, and the check that ours equal them
+===============  =================================================================================
+
+A room imports those above it, never those below (import-linter holds it; of printing, values and
+resonances none imports another).
+
 >>> from asymptotics import exact_string, expand, prove
 >>> solution = expand(exact_string(), order=3)
 >>> [proof.holds for proof in prove(solution)]
@@ -12,11 +26,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from asymptotics.closed_form import ClosedForm, ClosedForms
-    from asymptotics.expansion import Expansion, expand
-    from asymptotics.problem import exact_string, float_string, string
-    from asymptotics.profile import MovingFrame, moving_frame
-    from asymptotics.proof import prove
+    from asymptotics.expansion.moving_frame import MovingFrame, moving_frame
+    from asymptotics.expansion.order_loop import Expansion, expand
+    from asymptotics.expansion.proof import prove
+    from asymptotics.formulas.closed_form import ClosedForm, ClosedForms
+    from asymptotics.problems.problem import exact_string, float_string, string
 
 DISTRIBUTION = "ropewave"
 """Tells this package from another distribution's package of the same name."""
@@ -35,16 +49,16 @@ __all__ = [
 ]
 
 _HOMES = {
-    "ClosedForm": "closed_form",
-    "ClosedForms": "closed_form",
-    "Expansion": "expansion",
-    "MovingFrame": "profile",
-    "exact_string": "problem",
-    "expand": "expansion",
-    "float_string": "problem",
-    "moving_frame": "profile",
-    "prove": "proof",
-    "string": "problem",
+    "ClosedForm": "formulas.closed_form",
+    "ClosedForms": "formulas.closed_form",
+    "Expansion": "expansion.order_loop",
+    "MovingFrame": "expansion.moving_frame",
+    "exact_string": "problems.problem",
+    "expand": "expansion.order_loop",
+    "float_string": "problems.problem",
+    "moving_frame": "expansion.moving_frame",
+    "prove": "expansion.proof",
+    "string": "problems.problem",
 }
 
 

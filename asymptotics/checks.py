@@ -65,3 +65,13 @@ def axis(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         worst = float(array[~np.isfinite(array)][0])
         raise InputError(f"{name} contains {worst!r}; give finite numbers")
     return array
+
+
+def check_order(order: Any) -> int:
+    """The order as an int ≥ 1, or an :class:`InputError` that says what is allowed."""
+    if isinstance(order, bool) or not hasattr(order, "__index__"):
+        raise InputError(f"order = {order!r} is not an integer; give a whole number N ≥ 1")
+    value = int(order.__index__())
+    if value < 1:
+        raise InputError(f"order = {value}; the expansion starts at order 1: give N ≥ 1")
+    return value

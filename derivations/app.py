@@ -6,21 +6,19 @@ they are ours.
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
-from derivations import (
-    figure2_command,
-    resonance_commands,
-    simulation_commands,
-    threshold_command,
-)
+from derivations.cache import cache_folder, without_cache
 from derivations.clash import find_clash
-from derivations.options import (
+from derivations.commands import figure2 as figure2_command
+from derivations.commands import resonances as resonance_commands
+from derivations.commands import simulation as simulation_commands
+from derivations.commands import threshold as threshold_command
+from derivations.commands.options import (
     LIST,
     EpsilonOption,
     JsonOption,
@@ -51,38 +49,6 @@ MOST_VALUES = 1_000_000
 SCREEN = 20_000
 
 
-def cache_folder(name: str) -> Path | None:
-    """Where results of that name are kept: in ROPEWAVE_CACHE, or in the user's cache folder.
-
-    None, with a warning, if the latter cannot be written; the former was asked for.
-    """
-    from asymptotics.errors import UnwritableError
-    from derivations.files import check_folder
-
-    named = os.environ.get("ROPEWAVE_CACHE")
-    if named:
-        return Path(named) / name
-    import platformdirs
-
-    folder = platformdirs.user_cache_path("ropewave") / name
-    try:
-        check_folder(folder)
-    except UnwritableError as error:
-        without_cache(error)
-        return None
-    return folder
-
-
-def without_cache(error: Exception) -> None:
-    """Warn that nothing is kept; raise the error where ROPEWAVE_CACHE asked for it."""
-    if os.environ.get("ROPEWAVE_CACHE"):
-        raise error
-    note(
-        f"ropewave: warning: {error}: set ROPEWAVE_CACHE to a folder you may write to. "
-        "Going on, and keeping nothing"
-    )
-
-
 @app.command()
 def derive(
     order: OrderOption = 4,
@@ -107,16 +73,16 @@ def derive(
 ) -> None:
     """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
     from derivations.files import check_folder
-    from derivations.formats import as_json as json_object
-    from derivations.formats import render, write_files
     from derivations.progress import progress
+    from derivations.reports.formats import as_json as json_object
+    from derivations.reports.formats import render, write_files
 
     formats = _formats(format, out, order)
     written: list[Path] = []
     if out is not None:
         check_folder(out)
     if plot is not None:  # first: it is quick, and knows whether Ω and ε make sense
-        from derivations.plots import plot_period
+        from derivations.figures.plots import plot_period
 
         plot_period(omega, epsilon, order, plot)
         written.append(plot)
@@ -144,7 +110,7 @@ def derive(
 
 def _formats(format: str | None, out: Path | None, order: int) -> tuple[str, ...]:
     """What to write into a folder, or to show where there is none."""
-    from derivations.formats import FORMATS, LAST_PAGE
+    from derivations.reports.formats import FORMATS, LAST_PAGE
 
     if format is not None:
         return (format,)
@@ -171,13 +137,13 @@ def _show(text: str, proofs: Any, always: bool) -> None:
 
 def _derivation(order: int, style: str, cache: bool, quiet: bool) -> tuple[Any, Any]:
     """Closed forms and their proofs."""
-    from asymptotics.closed_form import ClosedForms
     from asymptotics.errors import UnwritableError
-    from asymptotics.expansion import expand
-    from asymptotics.problem import exact_string
-    from asymptotics.profile import moving_frame
-    from asymptotics.proof import prove
-    from asymptotics.storage import derive as derive_saved
+    from asymptotics.expansion.moving_frame import moving_frame
+    from asymptotics.expansion.order_loop import expand
+    from asymptotics.expansion.proof import prove
+    from asymptotics.expansion.storage import derive as derive_saved
+    from asymptotics.formulas.closed_form import ClosedForms
+    from asymptotics.problems.problem import exact_string
     from derivations.progress import progress
 
     problem = exact_string()
@@ -212,11 +178,11 @@ def evaluate(
 ) -> None:
     """Evaluate ξ_c and w/Z₀: the series in ε truncated at order N."""
     from asymptotics.errors import InputError
-    from asymptotics.evaluate import evaluate as compute
+    from asymptotics.values.evaluate import evaluate as compute
     from derivations.progress import progress
 
     if plot is not None:
-        from derivations.plots import check_plot_path
+        from derivations.figures.plots import check_plot_path
 
         check_plot_path(plot)
     point = (omega, epsilon, order)
@@ -225,7 +191,7 @@ def evaluate(
     if len(times) * len(places or ()) > MOST_VALUES:
         raise InputError(
             f"--tau and --s ask for a table of {len(times)} × {len(places or ())} numbers, more "
-            f"than {MOST_VALUES}; give fewer, or use asymptotics.evaluate in Python"
+            f"than {MOST_VALUES}; give fewer, or use asymptotics.values.evaluate in Python"
         )
     with progress("expanding", 1.0, fine=True) as report:
         # Work grows like n⁵, and carrying the shape to the contact point is as much again.
@@ -236,7 +202,7 @@ def evaluate(
             lambda n: report(0.5 * ((n - 1) // order + (((n - 1) % order + 1) / order) ** 5)),
         )
     if plot is not None:
-        from derivations.plots import plot_period
+        from derivations.figures.plots import plot_period
 
         plot_period(*point, plot)
     fields = {
@@ -273,8 +239,8 @@ def regenerate(
     ] = False,
 ) -> None:
     """Regenerate every committed artefact, or check that none differs."""
-    from derivations.catalogue import GENERATED, artefacts, differences
-    from derivations.formats import write_files
+    from derivations.reports.catalogue import GENERATED, artefacts, differences
+    from derivations.reports.formats import write_files
 
     if not check:
         for path in write_files(artefacts(), GENERATED):

@@ -52,7 +52,7 @@ forms.profile(2).expression
 # style, not another calculation, and both are equal by an exact zero test:
 
 # %%
-from asymptotics.zero_test import are_equal
+from asymptotics.formulas.zero_test import are_equal
 
 circular = ClosedForms(solution, frame, style="circular")
 assert are_equal(forms.contact(3).expression, circular.contact(3).expression)
@@ -62,7 +62,7 @@ circular.contact_harmonic(3, 3)
 # The paper's printed formulas, proved equal to what was derived:
 
 # %%
-from asymptotics.paper_check import compare
+from asymptotics.paper.check import compare
 
 for comparison in compare(forms):
     print(comparison)
@@ -74,7 +74,7 @@ for comparison in compare(forms):
 # page. `formula_sets` gives the files of a whole supplement.
 
 # %%
-from asymptotics.latex import profile_equation
+from asymptotics.printing.latex import profile_equation
 
 print(profile_equation(forms, 2, column="two"))
 
@@ -88,7 +88,7 @@ import types
 
 import numpy as np
 
-from asymptotics.numpy_code import numpy_module
+from asymptotics.printing.numpy_code import numpy_module
 
 source = numpy_module(forms)
 rope = types.ModuleType("rope")
@@ -122,7 +122,7 @@ axes.legend(title=r"time $\omega t/2\pi$", frameon=False)
 # falls like $\epsilon^{N+1}$:
 
 # %%
-from numerics.invariant_circle import invariant_circle
+from numerics.exact_string.invariant_circle import invariant_circle
 
 print(
     "largest rounding error of w/Z0 here:", float(rope.profile_error(s, tau, omega, epsilon).max())

@@ -26,7 +26,7 @@
 # expansion, exactly. At $\Omega = p\pi + \mu$ and third order this is the paper's eq. (expandw2):
 
 # %%
-from asymptotics.tongues import singular_part, tongue
+from asymptotics.resonances.tongues import singular_part, tongue
 
 part = singular_part(1, 1, 3)
 print(f"x_c/x0 ~ 1 + epsilon^{part.order} mu^-{part.pole} *", part.text())
@@ -86,7 +86,7 @@ axes.legend(title="exponent", frameon=False)
 
 # %%
 from numerics.errors import CircleNotFoundError
-from numerics.invariant_circle import invariant_circle
+from numerics.exact_string.invariant_circle import invariant_circle
 
 
 def last_circle(omega, low, high, steps=9):
@@ -116,7 +116,7 @@ for distance in (-0.35, -0.25, -0.15):
 # holds tells the reduced equation of higher order.
 
 # %%
-from asymptotics.folds import fold
+from asymptotics.resonances.folds import fold
 
 for beta in (1e-1, 1e-2, 1e-3, 1e-4):
     result = fold(1, 1, beta)

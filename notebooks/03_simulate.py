@@ -31,11 +31,11 @@ import math
 
 import numpy as np
 
-from numerics.drive import ramped_cosine
-from numerics.observables import Column
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import simulate
+from numerics.problems.drive import ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.observables import Column
+from numerics.simulation.run import simulate
+from numerics.simulation.semi_discrete import Grid
 
 beta, omega, epsilon = 0.01, 2.5, 0.03
 drive = ramped_cosine(omega, epsilon, periods=30)
@@ -89,8 +89,8 @@ print(f"rms difference {difference:.1e}")
 # $\epsilon^{N+1}$:
 
 # %%
-from asymptotics.evaluate import evaluate
-from numerics.characteristics import exact_string_motion
+from asymptotics.values.evaluate import evaluate
+from numerics.exact_string.characteristics import exact_string_motion
 
 golden = 1.941611038725466
 errors = []
@@ -119,7 +119,7 @@ print("observed powers of epsilon:", "  ".join(f"{s:.2f}" for s in slopes[-1]))
 # all.
 
 # %%
-from numerics.threshold import threshold
+from numerics.thresholds.threshold import threshold
 
 critical = threshold(3.1, beta, quick=True, relative=0.02)
 print(
@@ -155,9 +155,9 @@ figure.colorbar(picture, label=r"$\log_{10}$ height $w/Z_0$")
 # independently, on two grids:
 
 # %%
-from numerics.contact import Simulator
-from numerics.pulses import pulse_speed
-from numerics.waves import track_waves
+from numerics.events.waves import track_waves
+from numerics.problems.pulses import pulse_speed
+from numerics.simulation.contact import Simulator
 
 for dx in (0.01, 0.005):
     simulator = Simulator(RopeProblem(beta, strong), Grid(dx=dx))

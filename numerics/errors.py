@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from numerics.characteristics import SonicContact
-    from numerics.invariant_circle import InvariantCircle
+    from numerics.exact_string.characteristics import SonicContact
+    from numerics.exact_string.invariant_circle import InvariantCircle
 
 
 class NumericsError(Exception):

@@ -63,7 +63,7 @@ def harm_json(content: Any, chance: Random) -> Any:
 
 
 def resealed(content: bytes, kind: str) -> bytes:
-    """A sealed file of numerics.files with this content."""
+    """A sealed file of numerics.files.sealed with this content."""
     seal = f"\n{kind}, sha256 {hashlib.sha256(content).hexdigest()}\n"
     return content + seal.encode()
 

@@ -16,12 +16,15 @@ from types import ModuleType
 import pytest
 
 import asymptotics.atomic
-import numerics.atomic
+import numerics.files.atomic
 
 ROOT = Path(__file__).parents[1]
 
 
-@pytest.fixture(params=[asymptotics.atomic, numerics.atomic], ids=lambda module: module.__name__)
+MODULES = [asymptotics.atomic, numerics.files.atomic]
+
+
+@pytest.fixture(params=MODULES, ids=lambda module: module.__name__)
 def atomic(request: pytest.FixtureRequest) -> ModuleType:
     module: ModuleType = request.param
     return module
@@ -39,7 +42,7 @@ def mode(path: Path) -> int:
 
 
 def test_both_packages_have_the_same() -> None:
-    one, other = (Path(str(module.__file__)) for module in (asymptotics.atomic, numerics.atomic))
+    one, other = (Path(str(module.__file__)) for module in MODULES)
     assert one.read_bytes() == other.read_bytes()
 
 

@@ -11,25 +11,20 @@ import pytest
 from flint import arb, fmpq
 
 from asymptotics import ClosedForms, Expansion, expand, moving_frame
-from asymptotics.balls import (
-    AcbRing,
-    ball_damped_string,
-    ball_string,
-    frequency,
-    outward,
-)
-from asymptotics.certified import (
+from asymptotics.errors import InputError, ResonanceError
+from asymptotics.expansion.proof import residuals
+from asymptotics.printing.numpy_code import numpy_module
+from asymptotics.problems.damped import damped_string
+from asymptotics.problems.enclosed import ball_damped_string, ball_string
+from asymptotics.rings.balls import AcbRing, frequency, outward
+from asymptotics.rings.cotangent import CotangentElement, resonance_polynomial
+from asymptotics.rings.precision import PrecisionError, at_precision
+from asymptotics.values.certified import (
     Enclosure,
     contact_harmonics,
     evaluate_certified,
 )
-from asymptotics.cotangent import CotangentElement, resonance_polynomial
-from asymptotics.damped import damped_string
-from asymptotics.errors import InputError, ResonanceError
-from asymptotics.evaluate import evaluate
-from asymptotics.numpy_code import numpy_module
-from asymptotics.precision import PrecisionError, at_precision
-from asymptotics.proof import residuals
+from asymptotics.values.evaluate import evaluate
 
 FREQUENCIES = ["0.83", 2.2, "pi/2 + 1e-9", "pi/3 - 1e-12", "2*pi/5 + 1e-30", "3 pi", 7.0]
 UNIT = 2.0**-53

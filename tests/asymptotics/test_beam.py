@@ -12,16 +12,16 @@ from flint import arb
 from mpmath import mpf
 
 from asymptotics import Expansion, expand, moving_frame, string
-from asymptotics.beam import beam, float_beam, static_beam
-from asymptotics.beam_numbers import NumberRing, balls, digits, doubles
-from asymptotics.beam_spectrum import linear_frequencies
-from asymptotics.beam_waves import end_residuals, static_end_residuals, waves
 from asymptotics.errors import InputError, ResonanceError
-from asymptotics.expansion import derivative_towers
-from asymptotics.harmonics import reachable
-from asymptotics.precision import at_precision
-from asymptotics.proof import prove, residuals
-from asymptotics.static_shape import DRIVEN_ENDS
+from asymptotics.expansion.order_loop import derivative_towers
+from asymptotics.expansion.proof import prove, residuals
+from asymptotics.problems.beam import beam, float_beam, static_beam
+from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.problems.beam_waves import end_residuals, static_end_residuals, waves
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.rings.harmonics import reachable
+from asymptotics.rings.numbers import NumberRing, balls, digits, doubles
+from asymptotics.rings.precision import at_precision
 
 EPS = float(np.finfo(float).eps)
 CASES = [(0.1, 0.83), (0.01, 2.2), (0.001, 5.1), (1e-4, 2.2)]

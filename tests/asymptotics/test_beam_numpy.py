@@ -12,13 +12,13 @@ import pytest
 from mpmath import mp, mpf
 
 from asymptotics import expand
-from asymptotics.beam import beam, float_beam
-from asymptotics.beam_numbers import digits
-from asymptotics.beam_numpy import beam_numpy
-from asymptotics.beam_spectrum import linear_frequencies
-from asymptotics.beam_symbolic import expand_symbolic
 from asymptotics.errors import ResonanceError
-from asymptotics.static_shape import DRIVEN_ENDS
+from asymptotics.formulas.beam import expand_symbolic
+from asymptotics.printing.beam_numpy import beam_numpy
+from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.rings.numbers import digits
 
 OMEGA = 2.2
 TAU = np.linspace(0, 2.8, 7)
@@ -193,7 +193,7 @@ def test_a_slow_drive_moves_the_static_shape(driven_end: str) -> None:
 
 def test_order_one_is_the_hand_written_module() -> None:
     """What other orders are put into runs as it stands, and is the emitted module of order 1."""
-    from asymptotics.emitted import beam
+    from asymptotics.printing.emitted import beam
 
     emitted = beam_numpy(expand_symbolic(1)).splitlines()
     written = Path(beam.__file__).read_text(encoding="utf-8").splitlines()

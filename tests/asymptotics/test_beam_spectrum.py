@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from asymptotics.beam import static_beam
-from asymptotics.beam_numbers import doubles
-from asymptotics.beam_spectrum import (
+from asymptotics.errors import InputError
+from asymptotics.problems.beam import static_beam
+from asymptotics.problems.beam_spectrum import (
     linear_frequencies,
     linear_spectrum,
     stiffness_of,
     wavenumbers,
 )
-from asymptotics.beam_waves import waves
-from asymptotics.errors import InputError
-from asymptotics.static_shape import DRIVEN_ENDS, contact_point
+from asymptotics.problems.beam_waves import waves
+from asymptotics.problems.static_shape import DRIVEN_ENDS, contact_point
+from asymptotics.rings.numbers import doubles
 
 UNIT = 2.0**-52
 

@@ -17,23 +17,23 @@ import pytest
 from mpmath import mpf
 
 from asymptotics import Expansion, exact_string, expand, prove
-from asymptotics.beam import beam, static_beam
-from asymptotics.beam_latex import beam_latex
-from asymptotics.beam_numbers import digits
-from asymptotics.beam_numpy import beam_numpy
-from asymptotics.beam_symbolic import (
+from asymptotics.errors import InputError
+from asymptotics.expansion.order_loop import Order
+from asymptotics.expansion.proof import RefutedError
+from asymptotics.formulas.beam import (
     contact_amplitude,
     expand_symbolic,
     generator_names,
     impedances,
     symbolic_beam,
 )
-from asymptotics.errors import InputError
-from asymptotics.expansion import Order
-from asymptotics.harmonics import reachable
-from asymptotics.proof import RefutedError
-from asymptotics.rings import GeneratorRing
-from asymptotics.static_shape import DRIVEN_ENDS
+from asymptotics.printing.beam_latex import beam_latex
+from asymptotics.printing.beam_numpy import beam_numpy
+from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.rings.harmonics import reachable
+from asymptotics.rings.numbers import digits
+from asymptotics.rings.ring import GeneratorRing
 
 ORDER = 5
 
@@ -216,8 +216,9 @@ def test_the_numpy_module_is_self_contained_and_the_same_every_time() -> None:
     assert imported == ["typing", "numpy"]
     assert max(map(len, source.splitlines())) <= 100
     program = (
-        "from asymptotics.beam_latex import *; from asymptotics.beam_numpy import *;"
-        "from asymptotics.beam_symbolic import *;"
+        "from asymptotics.printing.beam_latex import *;"
+        "from asymptotics.printing.beam_numpy import *;"
+        "from asymptotics.formulas.beam import *;"
         "e = expand_symbolic(3); print(beam_numpy(e) + beam_latex(e), end='')"
     )
     for seed in ("0", "1"):

@@ -7,10 +7,10 @@ import sympy
 from sympy import cos, diff
 
 from asymptotics import ClosedForms, Expansion, expand, float_string
-from asymptotics.closed_form import symbols
 from asymptotics.errors import InputError
-from asymptotics.text import contact_text, profile_text, shape_text
-from asymptotics.zero_test import are_equal, is_identically_zero
+from asymptotics.formulas.closed_form import symbols
+from asymptotics.formulas.zero_test import are_equal, is_identically_zero
+from asymptotics.printing.text import contact_text, profile_text, shape_text
 
 S = symbols()
 OMEGA, EPSILON, POSITION, XI, TAU = (S[n] for n in ("Omega", "epsilon", "s", "xi", "tau"))

@@ -12,20 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from asymptotics.cotangent import (
+from asymptotics.errors import InputError
+from asymptotics.expansion.modular import ModularPoint
+from asymptotics.formulas.normal_form import (
+    circular_form,
+    cotangent_terms,
+    from_cotangent_terms,
+    resonance_cosines,
+)
+from asymptotics.rings.cotangent import (
     MOST,
     CotangentElement,
     CotangentRing,
     check_element,
     resonance_polynomial,
-)
-from asymptotics.errors import InputError
-from asymptotics.modular import ModularPoint
-from asymptotics.normal_form import (
-    circular_form,
-    cotangent_terms,
-    from_cotangent_terms,
-    resonance_cosines,
 )
 
 RING = CotangentRing()

@@ -9,21 +9,20 @@ import numpy as np
 import pytest
 
 from asymptotics import Expansion, expand, moving_frame, prove
-from asymptotics.damped import (
-    contact_harmonic,
+from asymptotics.errors import InputError
+from asymptotics.expansion.proof import RefutedError, residuals
+from asymptotics.formulas.damped import contact_harmonic, linear_response
+from asymptotics.problems.damped import (
     damped_string,
     generator_damped_string,
     generator_values,
     impedance,
-    linear_response,
     source,
     wavenumber,
 )
-from asymptotics.errors import InputError
-from asymptotics.forcing import forced_string, fourier_drive
-from asymptotics.proof import RefutedError, residuals
-from asymptotics.response import response
-from asymptotics.rings import ComplexRing
+from asymptotics.problems.forcing import forced_string, fourier_drive
+from asymptotics.rings.ring import ComplexRing
+from asymptotics.values.response import response
 
 EPS = 2.0**-52
 ORDER = 5

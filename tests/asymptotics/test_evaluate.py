@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from asymptotics.errors import InputError, OrderingError, ResonanceError
-from asymptotics.evaluate import evaluate
-from asymptotics.solutions import sine_defect, versine
+from asymptotics.expansion.solutions import sine_defect, versine
+from asymptotics.values.evaluate import evaluate
 
 
 def test_quasi_static_limit() -> None:
@@ -163,6 +163,6 @@ def test_too_little_memory_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -
     def exhausted(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("asymptotics.response._profile", exhausted)
+    monkeypatch.setattr("asymptotics.values.response._profile", exhausted)
     with pytest.raises(InputError, match=r"not enough memory .* 2 times × 3 positions"):
         evaluate(0.83, 0.01, 4, [-0.5, -0.4, -0.3], [0.0, 1.0])

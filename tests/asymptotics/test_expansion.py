@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from asymptotics import Expansion, exact_string, expand, float_string, prove, string
-from asymptotics.cotangent import CotangentRing
 from asymptotics.errors import InputError, ResonanceError
-from asymptotics.expansion import Order
-from asymptotics.harmonics import pack, reachable, unpack
-from asymptotics.problem import pole_at
-from asymptotics.proof import RefutedError
-from asymptotics.rings import FloatRing
+from asymptotics.expansion.order_loop import Order
+from asymptotics.expansion.proof import RefutedError
+from asymptotics.problems.problem import pole_at
+from asymptotics.rings.cotangent import CotangentRing
+from asymptotics.rings.harmonics import pack, reachable, unpack
+from asymptotics.rings.ring import FloatRing
 
 RING = CotangentRing()
 
@@ -113,7 +113,7 @@ def test_floats_and_closed_forms_agree(sixth: Expansion) -> None:
         for j, element in sixth.contact(n).items():
             below = float(element.denominator)
             for q, m in enumerate(element.poles, start=2):
-                from asymptotics.cotangent import resonance_polynomial
+                from asymptotics.rings.cotangent import resonance_polynomial
 
                 poly = resonance_polynomial(q)
                 below *= sum(int(poly[i]) * c**i for i in range(poly.degree() + 1)) ** m

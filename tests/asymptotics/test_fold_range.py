@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asymptotics import expand, fold_range
-from asymptotics.beam import beam, static_beam
-from asymptotics.beam_numbers import balls
-from asymptotics.beam_spectrum import linear_frequencies
-from asymptotics.fold_range import ACCURACY, Range, double_root, law_error, next_pole
-from asymptotics.folds import Kind, amplitude_equation, fold
-from asymptotics.precision import at_precision
-from asymptotics.reduced_equation import Resonance, reduced_equation
-from asymptotics.static_shape import DRIVEN_ENDS
+from asymptotics import expand
+from asymptotics.expansion.reduced_equation import Resonance, reduced_equation
+from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.resonances import fold_range
+from asymptotics.resonances.fold_range import ACCURACY, Range, double_root, law_error, next_pole
+from asymptotics.resonances.folds import Kind, amplitude_equation, fold
+from asymptotics.rings.numbers import balls
+from asymptotics.rings.precision import at_precision
 
 
 @pytest.mark.parametrize("driven_end", DRIVEN_ENDS)

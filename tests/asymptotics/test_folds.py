@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 
 from asymptotics import expand
-from asymptotics.beam import beam, static_beam
-from asymptotics.beam_numbers import digits
-from asymptotics.beam_spectrum import linear_frequencies
-from asymptotics.beam_waves import waves
 from asymptotics.errors import InputError
-from asymptotics.folds import (
+from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.problems.beam_waves import waves
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.resonances.folds import (
     LARGEST_Q,
     Coefficient,
     Fold,
@@ -30,7 +30,7 @@ from asymptotics.folds import (
     fold_coefficient,
     string_forcing,
 )
-from asymptotics.static_shape import DRIVEN_ENDS
+from asymptotics.rings.numbers import digits
 
 EPS = float(np.finfo(float).eps)
 

@@ -10,21 +10,21 @@ import numpy as np
 import pytest
 
 from asymptotics import Expansion, exact_string, expand, float_string, moving_frame, prove, string
-from asymptotics.cotangent import CotangentRing
 from asymptotics.errors import InputError, OrderingError, ResonanceError
-from asymptotics.evaluate import evaluate
-from asymptotics.forcing import (
+from asymptotics.expansion.proof import RefutedError, residuals
+from asymptotics.problems.forcing import (
     Drive,
     excited,
     forced_string,
     fourier_drive,
 )
-from asymptotics.forcing_generators import generator_string, generator_values
-from asymptotics.harmonics import pack, unpack
-from asymptotics.linear_numbers import contact_response_spectrum
-from asymptotics.proof import RefutedError, residuals
-from asymptotics.response import response
-from asymptotics.rings import ComplexRing, GeneratorRing
+from asymptotics.problems.forcing_generators import generator_string, generator_values
+from asymptotics.rings.cotangent import CotangentRing
+from asymptotics.rings.harmonics import pack, unpack
+from asymptotics.rings.ring import ComplexRing, GeneratorRing
+from asymptotics.values.evaluate import evaluate
+from asymptotics.values.linear_response import contact_response_spectrum
+from asymptotics.values.response import response
 
 EPS = 2.0**-52
 ORDER = 5

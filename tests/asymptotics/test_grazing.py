@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asymptotics.errors import InputError
-from asymptotics.grazing import _Profile, graze
+from asymptotics.resonances.first_touch import _Profile, graze
 
 EPS = 2.0**-52
 

@@ -18,21 +18,21 @@ import sympy
 from mpmath import mp, mpf
 
 from asymptotics import ClosedForms, exact_string, expand
-from asymptotics.beam_latex import beam_latex
-from asymptotics.beam_symbolic import expand_symbolic
-from asymptotics.closed_form import symbols
-from asymptotics.equations import COLUMNS, aligned
 from asymptotics.errors import InputError
-from asymptotics.formula_trees import cosine_sum
-from asymptotics.latex import (
+from asymptotics.formulas.beam import expand_symbolic
+from asymptotics.formulas.closed_form import symbols
+from asymptotics.formulas.normal_form import resonance_cosines
+from asymptotics.printing.beam_latex import beam_latex
+from asymptotics.printing.equations import COLUMNS, aligned
+from asymptotics.printing.latex import (
     contact_equation,
     formula_sets,
     profile_equation,
     shape_equation,
 )
-from asymptotics.normal_form import resonance_cosines
-from asymptotics.text import _resonance
-from asymptotics.widths import Limits, Piece, break_lines, width
+from asymptotics.printing.latex_trees import cosine_sum
+from asymptotics.printing.text import _resonance
+from asymptotics.printing.widths import Limits, Piece, break_lines, width
 
 STYLES = ("cotangent", "circular")
 POINT = {"Omega": "0.8317", "epsilon": "0.0371", "s": "-0.6173", "xi": "0.4139", "tau": "1.2791"}
@@ -276,7 +276,7 @@ def test_same_bytes_under_any_hash_seed() -> None:
     program = (
         "import hashlib\n"
         "from asymptotics import ClosedForms, exact_string, expand\n"
-        "from asymptotics.latex import formula_sets\n"
+        "from asymptotics.printing.latex import formula_sets\n"
         "e = expand(exact_string(), 4)\n"
         "for style in ('cotangent', 'circular'):\n"
         "    files = formula_sets(ClosedForms(e, style=style), 'two')\n"

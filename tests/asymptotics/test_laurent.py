@@ -8,9 +8,9 @@ import sympy
 from flint import arb, fmpq
 
 from asymptotics.errors import InputError
-from asymptotics.laurent import LaurentElement, LaurentRing, PrecisionError
-from asymptotics.precision import at_precision
-from asymptotics.resonance_field import C, ResonanceField, constant
+from asymptotics.rings.laurent import LaurentElement, LaurentRing, PrecisionError
+from asymptotics.rings.precision import at_precision
+from asymptotics.rings.resonance_field import C, ResonanceField, constant
 
 RESONANCES = [(1, 1), (2, 1), (1, 2), (3, 2), (2, 3), (1, 4), (3, 4), (2, 5), (1, 6), (3, 8)]
 MU = fmpq(1, 2**40)

@@ -12,16 +12,16 @@ import sympy
 from sympy import I, exp
 
 from asymptotics import ClosedForms, exact_string, expand
-from asymptotics.closed_form import symbols
 from asymptotics.errors import InputError, ResonanceError
-from asymptotics.linear_numbers import contact_response, contact_response_spectrum, transfer
-from asymptotics.linear_response import (
+from asymptotics.formulas.closed_form import symbols
+from asymptotics.formulas.linear_response import (
     difference_equation,
     eliminate,
     harmonic_response,
     transfer_function,
 )
-from asymptotics.zero_test import are_equal
+from asymptotics.formulas.zero_test import are_equal
+from asymptotics.values.linear_response import contact_response, contact_response_spectrum, transfer
 
 NAMES = symbols()
 OMEGA, TAU = NAMES["Omega"], NAMES["tau"]

@@ -11,9 +11,8 @@ import pytest
 from mpmath import mp, mpf
 
 from asymptotics import ClosedForms, Expansion
-from asymptotics import normal_form as module
-from asymptotics.cotangent import CotangentElement, CotangentRing
-from asymptotics.normal_form import (
+from asymptotics.formulas import normal_form as module
+from asymptotics.formulas.normal_form import (
     CircularForm,
     CotangentForm,
     circular_form,
@@ -23,6 +22,7 @@ from asymptotics.normal_form import (
     from_cotangent_terms,
     multiple_angles,
 )
+from asymptotics.rings.cotangent import CotangentElement, CotangentRing
 
 RING = CotangentRing()
 

@@ -20,8 +20,8 @@ from mpmath import mp, mpf
 
 from asymptotics import ClosedForms, Expansion, expand, float_string
 from asymptotics.errors import ResonanceError
-from asymptotics.evaluate import evaluate
-from asymptotics.numpy_code import _term, numpy_module
+from asymptotics.printing.numpy_code import _term, numpy_module
+from asymptotics.values.evaluate import evaluate
 
 UNIT = 2.0**-53
 
@@ -45,7 +45,7 @@ def modules(sixth: Expansion) -> dict[int, ModuleType]:
 def reference(order: int, s: float, tau: float, omega: float, epsilon: float) -> tuple[mpf, mpf]:
     """ξ_c and w/Z₀ at 50 digits from the engine over mpmath numbers: no closed form involved."""
     from asymptotics import moving_frame, string
-    from asymptotics.rings import FloatRing
+    from asymptotics.rings.ring import FloatRing
 
     class DigitRing(FloatRing):
         zero, one = mpf(0), mpf(1)
@@ -388,7 +388,7 @@ def test_the_rope_ends_at_the_ground_and_at_the_driven_end(modules: dict[int, Mo
 
 def test_order_one_is_the_hand_written_module(sixth: Expansion) -> None:
     """What other orders are put into runs as it stands, and is the emitted module of order 1."""
-    from asymptotics.emitted import string
+    from asymptotics.printing.emitted import string
 
     emitted = numpy_module(ClosedForms(Expansion(sixth.problem, sixth.orders[:1])))
     written = Path(string.__file__).read_text(encoding="utf-8")
@@ -400,7 +400,7 @@ def test_order_one_is_the_hand_written_module(sixth: Expansion) -> None:
 
 def test_needs_numpy_only_and_is_the_same_every_time(tmp_path: Path) -> None:
     program = (
-        "from asymptotics import *\nfrom asymptotics.numpy_code import numpy_module\n"
+        "from asymptotics import *\nfrom asymptotics.printing.numpy_code import numpy_module\n"
         "print(numpy_module(ClosedForms(expand(exact_string(), 4))), end='')"
     )
     texts = {

@@ -10,11 +10,11 @@ import sympy
 from sympy import Rational, cos, cot, sin
 
 from asymptotics import ClosedForms, exact_string, expand
-from asymptotics.closed_form import symbols
 from asymptotics.errors import InputError
-from asymptotics.paper import PAPER, PaperFormula, printed
-from asymptotics.paper_check import Comparison, compare
-from asymptotics.zero_test import are_equal, are_equal_through
+from asymptotics.formulas.closed_form import symbols
+from asymptotics.formulas.zero_test import are_equal, are_equal_through
+from asymptotics.paper.check import Comparison, compare
+from asymptotics.paper.printed import PAPER, PaperFormula, printed
 
 NAMES = symbols()
 W, E, S, TAU = (NAMES[name] for name in ("Omega", "epsilon", "s", "tau"))

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from asymptotics.errors import InputError
-from asymptotics.grazing import graze
-from asymptotics.pendulum import (
+from asymptotics.resonances.first_touch import graze
+from asymptotics.resonances.pendulum import (
     RADIUS,
     coefficient,
     elliptic,

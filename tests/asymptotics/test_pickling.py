@@ -19,25 +19,25 @@ from flint import Ordering, acb, arb, fmpq_mpoly_ctx, fmpq_poly, fmpz_mpoly_ctx,
 
 from asymptotics import ClosedForms, Expansion, exact_string, expand, moving_frame, prove, string
 from asymptotics import errors as all_errors
-from asymptotics.balls import ball_damped_string, ball_string
-from asymptotics.beam import beam, float_beam
-from asymptotics.beam_numbers import balls, digits
-from asymptotics.beam_symbolic import contact_amplitude, expand_symbolic, impedances
-from asymptotics.bounded import Bounded
-from asymptotics.certified import contact_harmonics, evaluate_certified
-from asymptotics.damped import damped_string, generator_damped_string
 from asymptotics.errors import InputError, ResonanceError, RopewaveError
-from asymptotics.folds import fold
-from asymptotics.forcing import forced_string, fourier_drive
-from asymptotics.forcing_generators import generator_string
-from asymptotics.laurent import LaurentRing
-from asymptotics.linear_response import eliminate
-from asymptotics.precision import PrecisionError, at_precision
-from asymptotics.problem import Problem, float_string
-from asymptotics.proof import RefutedError
-from asymptotics.resonance_field import ResonanceField
-from asymptotics.rings import ComplexRing, FloatRing
-from asymptotics.singular import singular_part
+from asymptotics.expansion.proof import RefutedError
+from asymptotics.formulas.beam import contact_amplitude, expand_symbolic, impedances
+from asymptotics.formulas.linear_response import eliminate
+from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.damped import damped_string, generator_damped_string
+from asymptotics.problems.enclosed import ball_damped_string, ball_string
+from asymptotics.problems.forcing import forced_string, fourier_drive
+from asymptotics.problems.forcing_generators import generator_string
+from asymptotics.problems.problem import Problem, float_string
+from asymptotics.resonances.folds import fold
+from asymptotics.resonances.singular_part import singular_part
+from asymptotics.rings.bounded import Bounded
+from asymptotics.rings.laurent import LaurentRing
+from asymptotics.rings.numbers import balls, digits
+from asymptotics.rings.precision import PrecisionError, at_precision
+from asymptotics.rings.resonance_field import ResonanceField
+from asymptotics.rings.ring import ComplexRing, FloatRing
+from asymptotics.values.certified import contact_harmonics, evaluate_certified
 
 ORDER = 3
 DRIVE = fourier_drive([0.8, 1.3], {(1, 0): 1.0, (0, 1): 0.5}, {(1, 1): 0.3})
@@ -102,7 +102,7 @@ CHILD = """
 import pickle, sys
 loaded = pickle.load(sys.stdin.buffer)
 from asymptotics import Expansion, expand
-from asymptotics.precision import at_precision
+from asymptotics.rings.precision import at_precision
 import mpmath
 mpmath.mp.dps = 30
 longer = []

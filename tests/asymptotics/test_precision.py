@@ -14,10 +14,10 @@ import pytest
 from flint import ctx
 
 import asymptotics
-from asymptotics.beam_symbolic import generator_names, impedances
-from asymptotics.certified import evaluate_certified
-from asymptotics.precision import MOST_BITS, PrecisionError, at_precision, doubled, until
-from asymptotics.rings import GeneratorRing
+from asymptotics.formulas.beam import generator_names, impedances
+from asymptotics.rings.precision import MOST_BITS, PrecisionError, at_precision, doubled, until
+from asymptotics.rings.ring import GeneratorRing
+from asymptotics.values.certified import evaluate_certified
 
 
 def test_the_precision_is_one_number_for_all_threads() -> None:

@@ -13,21 +13,21 @@ import pytest
 from flint import arb
 
 from asymptotics import Expansion, exact_string, expand, float_string, moving_frame, prove, string
-from asymptotics.balls import ball_damped_string, ball_string
-from asymptotics.beam import beam, float_beam, static_beam
-from asymptotics.beam_numbers import balls, digits
-from asymptotics.beam_symbolic import expand_symbolic
-from asymptotics.cotangent import CotangentRing
-from asymptotics.damped import damped_string
-from asymptotics.enclosures import WIDEST, enclosures
 from asymptotics.errors import InputError
-from asymptotics.forcing import forced_string, fourier_drive
-from asymptotics.forcing_generators import generator_string
-from asymptotics.images import MajorantRing, image_of_problem
-from asymptotics.precision import at_precision
-from asymptotics.proof import OrderProof, RefutedError, residuals
-from asymptotics.rings import FloatRing
-from asymptotics.singular import laurent_expansion
+from asymptotics.expansion.enclosures import WIDEST, enclosures
+from asymptotics.expansion.images import MajorantRing, image_of_problem
+from asymptotics.expansion.proof import OrderProof, RefutedError, residuals
+from asymptotics.formulas.beam import expand_symbolic
+from asymptotics.problems.beam import beam, float_beam, static_beam
+from asymptotics.problems.damped import damped_string
+from asymptotics.problems.enclosed import ball_damped_string, ball_string
+from asymptotics.problems.forcing import forced_string, fourier_drive
+from asymptotics.problems.forcing_generators import generator_string
+from asymptotics.resonances.singular_part import laurent_expansion
+from asymptotics.rings.cotangent import CotangentRing
+from asymptotics.rings.numbers import balls, digits
+from asymptotics.rings.precision import at_precision
+from asymptotics.rings.ring import FloatRing
 
 RING = CotangentRing()
 TWO = fourier_drive([0.83, 1.31], {(1, 0): 0.7, (0, 1): 0.4}, {(0, 1): 0.5, (1, -1): 0.3})
@@ -279,7 +279,7 @@ def test_balls_that_stay_wide_are_no_enclosure(
     sixth: Expansion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A wide ball contains zero, and much else."""
-    import asymptotics.enclosures as module
+    import asymptotics.expansion.enclosures as module
 
     monkeypatch.setattr(module, "WIDEST", 0.0)
     monkeypatch.setattr(module, "_MOST_BITS", 256)

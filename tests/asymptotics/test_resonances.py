@@ -12,18 +12,18 @@ import pytest
 import sympy
 
 from asymptotics import Expansion
-from asymptotics.beam import beam
-from asymptotics.beam_spectrum import linear_frequencies
 from asymptotics.errors import InputError
-from asymptotics.expansion import expand
-from asymptotics.resonances import (
+from asymptotics.expansion.order_loop import expand
+from asymptotics.problems.beam import beam
+from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.problems.rope import Rope
+from asymptotics.resonances.rationals import (
     neighbouring_resonances,
     nonlinear_resonances,
     stiff_limit,
     tension_free_frequency,
     weak_bending,
 )
-from asymptotics.rope import Rope
 
 UNIT = 2.0**-52
 
@@ -98,7 +98,7 @@ def test_stiff_roots_to_thirty_digits(end: str, n: int) -> None:
 
 def test_length_of_a_heavy_beam() -> None:
     """The lifted length in metres from L⁴ = 24BZ₀/ρg, against ξ₀x₀ of a nearly slack rope."""
-    from asymptotics.static_shape import contact_point
+    from asymptotics.problems.static_shape import contact_point
 
     names = sympy.symbols("B Z_0 rho g", positive=True)
     values = dict(zip(names, (0.3, 0.81, 0.05, 9.80665), strict=True))

@@ -12,16 +12,16 @@ import pytest
 from mpmath import mp
 
 from asymptotics import exact_string, expand
-from asymptotics.beam import beam, float_beam
-from asymptotics.beam_numbers import digits
-from asymptotics.beam_numpy import beam_numpy
-from asymptotics.beam_symbolic import expand_symbolic
-from asymptotics.damped import damped_string
 from asymptotics.errors import InputError, OrderingError
-from asymptotics.expansion import Expansion
-from asymptotics.problem import Problem, driven_string
-from asymptotics.response import response
-from asymptotics.rings import FloatRing
+from asymptotics.expansion.order_loop import Expansion
+from asymptotics.formulas.beam import expand_symbolic
+from asymptotics.printing.beam_numpy import beam_numpy
+from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.damped import damped_string
+from asymptotics.problems.problem import Problem, driven_string
+from asymptotics.rings.numbers import digits
+from asymptotics.rings.ring import FloatRing
+from asymptotics.values.response import response
 
 OMEGA = 2.2
 TAU = np.linspace(0, 2.8, 7)

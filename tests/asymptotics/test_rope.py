@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from asymptotics.errors import InputError
-from asymptotics.rope import Rope
+from asymptotics.problems.rope import Rope
 
 UNIT = 2.0**-52
 positive = st.floats(min_value=1e-3, max_value=1e3)

@@ -13,21 +13,23 @@ import pytest
 from flint import acb, arb, ctx
 
 from asymptotics import Expansion, expand, float_string, moving_frame, string
-from asymptotics.balls import AcbRing, ball_string
-from asymptotics.beam import beam, float_beam
-from asymptotics.beam_numbers import NumberRing, balls, digits, doubles
-from asymptotics.beam_symbolic import contact_amplitude, expand_symbolic, impedances
-from asymptotics.damped import damped_string, generator_damped_string
-from asymptotics.damped import generator_values as damped_values
 from asymptotics.errors import InputError
-from asymptotics.forcing import Drive, forced_string, fourier_drive
-from asymptotics.forcing_generators import generator_string
-from asymptotics.forcing_generators import generator_values as forced_values
-from asymptotics.precision import PrecisionError, at_precision
-from asymptotics.problem import Problem, driven_string
-from asymptotics.rings import ComplexRing
-from asymptotics.rounded import RoundedExpansion, accurate, rounded_value
-from asymptotics.static_shape import DRIVEN_ENDS
+from asymptotics.expansion.rounded import RoundedExpansion
+from asymptotics.formulas.beam import contact_amplitude, expand_symbolic, impedances
+from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.damped import damped_string, generator_damped_string
+from asymptotics.problems.damped import generator_values as damped_values
+from asymptotics.problems.enclosed import ball_string
+from asymptotics.problems.forcing import Drive, forced_string, fourier_drive
+from asymptotics.problems.forcing_generators import generator_string
+from asymptotics.problems.forcing_generators import generator_values as forced_values
+from asymptotics.problems.problem import Problem, driven_string
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.rings.balls import AcbRing
+from asymptotics.rings.numbers import NumberRing, balls, digits, doubles
+from asymptotics.rings.precision import PrecisionError, at_precision
+from asymptotics.rings.ring import ComplexRing
+from asymptotics.rings.rounding import accurate, rounded_value
 
 EPS = 2.0**-52
 

@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 from flint import acb, arb, arb_poly
 
-from asymptotics import expand, float_string, series_analysis
-from asymptotics.approximants import BITS, pade, scaled_series
-from asymptotics.balls import ball_string, frequency
+from asymptotics import expand, float_string
 from asymptotics.errors import InputError
-from asymptotics.lindstedt import break_up, lindstedt
-from asymptotics.precision import at_precision
-from asymptotics.series_analysis import (
+from asymptotics.problems.enclosed import ball_string
+from asymptotics.rings.balls import frequency
+from asymptotics.rings.precision import at_precision
+from asymptotics.values import series_analysis
+from asymptotics.values.approximants import BITS, pade, scaled_series
+from asymptotics.values.lindstedt import break_up, lindstedt
+from asymptotics.values.series_analysis import (
     SeriesAnalysis,
     analyse_series,
     harmonic_series,
@@ -24,7 +26,7 @@ from asymptotics.series_analysis import (
     resonance_pole,
     rotation_shift,
 )
-from asymptotics.singularities import pade_estimates, ratio_estimate
+from asymptotics.values.singularities import pade_estimates, ratio_estimate
 
 EPS = 2.0**-52
 GOLDEN = math.pi * (math.sqrt(5) - 1) / 2  # Ω with 2Ω/2π the golden mean

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpc, mpf
 
-from asymptotics.solutions import solutions
+from asymptotics.expansion.solutions import solutions
 
 PLACES = np.array([0.0, -1e-9, -1e-3, -0.04, -0.3, -1.0, -1.7])
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 import sympy
 
-from asymptotics.beam import static_beam
-from asymptotics.beam_numbers import digits
 from asymptotics.errors import InputError
-from asymptotics.static_shape import (
+from asymptotics.problems.beam import static_beam
+from asymptotics.problems.static_shape import (
     DRIVEN_ENDS,
     bracketed_newton,
     contact_point,
     static_shape,
 )
+from asymptotics.rings.numbers import digits
 
 UNIT = 2.0**-52
 BETAS = [1e-12, 1e-8, 1e-4, 1e-2, 0.3, 1.0, 30.0, 1e4, 1e8, 1e30]

@@ -20,11 +20,11 @@ from typing import Any
 import pytest
 
 from asymptotics import Expansion, exact_string, expand, float_string, prove, string
-from asymptotics.cotangent import CotangentRing
 from asymptotics.errors import DamagedFileError, ForeignFileError, InputError, StorageError
-from asymptotics.proof import RefutedError
-from asymptotics.saved_orders import largest_size, order_to
-from asymptotics.storage import Store, _seal, derive
+from asymptotics.expansion.proof import RefutedError
+from asymptotics.expansion.saved_orders import largest_size, order_to
+from asymptotics.expansion.storage import Store, _seal, derive
+from asymptotics.rings.cotangent import CotangentRing
 
 
 def orders_in(folder: Path) -> list[str]:
@@ -42,7 +42,7 @@ def test_a_later_call_continues(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     derive(exact_string(), 4, tmp_path)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
     computed: list[int] = []
-    import asymptotics.expansion as engine
+    import asymptotics.expansion.order_loop as engine
 
     original, exact = engine._next_order, exact_string()
 
@@ -65,7 +65,8 @@ def test_a_later_call_continues(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_a_killed_process_loses_at_most_the_order_under_way(tmp_path: Path) -> None:
     program = (
         "import sys; from pathlib import Path; from asymptotics import exact_string;"
-        "from asymptotics.storage import derive; derive(exact_string(), 30, Path(sys.argv[1]))"
+        "from asymptotics.expansion.storage import derive;"
+        "derive(exact_string(), 30, Path(sys.argv[1]))"
     )
     process = subprocess.Popen([sys.executable, "-c", program, str(tmp_path)])
     deadline = time.monotonic() + 60

@@ -15,15 +15,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asymptotics import expand, moving_frame, prove
-from asymptotics.beam import beam
-from asymptotics.beam_numbers import digits
-from asymptotics.beam_spectrum import linear_frequencies
-from asymptotics.beam_symbolic import expand_symbolic, impedances
-from asymptotics.bounded import Bounded, BoundedRing, bounded
-from asymptotics.problem import RESOLUTION, string
-from asymptotics.proof import RefutedError
-from asymptotics.static_shape import DRIVEN_ENDS
-from asymptotics.swept import SweptExpansion
+from asymptotics.expansion.proof import RefutedError
+from asymptotics.expansion.swept import SweptExpansion
+from asymptotics.formulas.beam import expand_symbolic, impedances
+from asymptotics.problems.beam import beam
+from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.problems.problem import RESOLUTION, string
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.rings.bounded import Bounded, BoundedRing, bounded
+from asymptotics.rings.numbers import digits
 
 EPS = 2.0**-52
 ORDER = 5

@@ -12,15 +12,12 @@ import sympy
 from flint import arb, fmpq
 
 from asymptotics import Expansion
-from asymptotics.cotangent import resonance_polynomial
 from asymptotics.errors import InputError
-from asymptotics.expansion import expand
-from asymptotics.normal_form import cotangent_terms
-from asymptotics.pendulum import coefficient
-from asymptotics.precision import at_precision
-from asymptotics.problem import string
-from asymptotics.resonance_field import constant
-from asymptotics.singular import (
+from asymptotics.expansion.order_loop import expand
+from asymptotics.formulas.normal_form import cotangent_terms
+from asymptotics.problems.problem import string
+from asymptotics.resonances.pendulum import coefficient
+from asymptotics.resonances.singular_part import (
     amplitudes,
     centre_shift,
     expanded_part,
@@ -28,7 +25,10 @@ from asymptotics.singular import (
     pole_orders,
     singular_part,
 )
-from asymptotics.tongues import limit_law, parse_fraction, tongue
+from asymptotics.resonances.tongues import limit_law, parse_fraction, tongue
+from asymptotics.rings.cotangent import resonance_polynomial
+from asymptotics.rings.precision import at_precision
+from asymptotics.rings.resonance_field import constant
 
 EPS = 2.0**-52
 PI, OMEGA = sympy.pi, sympy.Symbol("Omega")

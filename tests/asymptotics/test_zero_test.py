@@ -11,9 +11,14 @@ from hypothesis import strategies as st
 from sympy import I, Rational, cos, cot, csc, exp, sec, sin, sinc, tan
 
 from asymptotics import ClosedForms, exact_string, expand
-from asymptotics.closed_form import symbols
 from asymptotics.errors import InputError
-from asymptotics.zero_test import angle_of, are_equal, are_equal_through, is_identically_zero
+from asymptotics.formulas.closed_form import symbols
+from asymptotics.formulas.zero_test import (
+    angle_of,
+    are_equal,
+    are_equal_through,
+    is_identically_zero,
+)
 
 NAMES = symbols()
 W, E, S, XI, TAU = (NAMES[name] for name in ("Omega", "epsilon", "s", "xi", "tau"))

@@ -2,10 +2,10 @@
 
 CableDyn solves for its own initial state and takes no other, so it starts from rest and Z(τ) is
 ramped up over ``RAMP`` periods; ``ours_from_rest`` does the same, and the reference of both is a
-run of :mod:`numerics.contact` on a fine grid. Its seabed does not act on the last 10⁻⁶ m, whatever
-the rope, which would lift a rope of x₀ = 1 m by 4·10⁻⁴ Z₀: here x₀ is ``UNIT`` metres, at unit
-tension and mass per length. The fluid that it insists on weighs nothing. ρ∞ below 1 damps the
-chatter of the nodes on the seabed and the waves of the rope alike.
+run of :mod:`numerics.simulation.contact` on a fine grid. Its seabed does not act on the last 10⁻⁶
+m, whatever the rope, which would lift a rope of x₀ = 1 m by 4·10⁻⁴ Z₀: here x₀ is ``UNIT`` metres,
+at unit tension and mass per length. The fluid that it insists on weighs nothing. ρ∞ below 1 damps
+the chatter of the nodes on the seabed and the waves of the rope alike.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from numerics.contact import Simulator
-from numerics.drive import ramped_cosine
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import follow, simulate
+from numerics.problems.drive import ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.run import follow, simulate
+from numerics.simulation.semi_discrete import Grid
 from tests.benchmarks.forced_rope import (
     BETA,
     EPSILON,

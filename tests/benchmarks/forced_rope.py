@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asymptotics import Expansion, expand
-from asymptotics.beam import beam, static_beam
+from asymptotics.problems.beam import beam, static_beam
 
 Array = NDArray[np.float64]
 

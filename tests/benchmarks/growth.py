@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asymptotics import ClosedForms, Expansion, exact_string, expand, moving_frame, prove, string
-from asymptotics.normal_form import _cotangent_form, cotangent_form
-from derivations.formats import render
+from asymptotics.formulas.normal_form import _cotangent_form, cotangent_form
+from derivations.reports.formats import render
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

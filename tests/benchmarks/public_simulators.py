@@ -2,9 +2,9 @@
 
 ``python -m tests.benchmarks.public_simulators`` runs the rope of
 :mod:`tests.benchmarks.forced_rope` in PyElastica, in MoorDyn, in CableDyn and in
-:mod:`numerics.contact`, and prints error against processor time, all of one run on one core.
-Install the rivals with ``pip install pyelastica moordyn cabledyn``. ``--effects`` varies what the
-rivals need and the rope has not: a ground that gives, extension, slopes that are not small.
+:mod:`numerics.simulation.contact`, and prints error against processor time, all of one run on one
+core. Install the rivals with ``pip install pyelastica moordyn cabledyn``. ``--effects`` varies what
+the rivals need and the rope has not: a ground that gives, extension, slopes that are not small.
 CableDyn starts from rest (:mod:`tests.benchmarks.cabledyn_rope`) and is compared with ours from
 rest.
 """
@@ -19,11 +19,11 @@ from importlib.metadata import version
 
 import numpy as np
 
-from numerics.contact import Simulator
-from numerics.drive import cosine
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import follow
+from numerics.problems.drive import cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.run import follow
+from numerics.simulation.semi_discrete import Grid
 from tests.benchmarks.cabledyn_rope import cabledyn, ours_from_rest, settings
 from tests.benchmarks.forced_rope import (
     BETA,
@@ -57,7 +57,7 @@ EFFECTS = (("ground", 4.0), ("ground", 64.0), ("rigid", 60.0), ("slope", 2 * SLO
 
 
 def ours(dx: float) -> Outcome:
-    """:mod:`numerics.contact` with its default scheme, step and domain."""
+    """:mod:`numerics.simulation.contact` with its default scheme, step and domain."""
     simulator = _start(dx)
     # Steps of dx do not meet TIMES: ξ_c is interpolated between the steps.
     run = follow(simulator, (PERIODS + 0.1) * PERIOD, snapshots=simulator.dt)

@@ -22,7 +22,8 @@ import flint
 from sympy.core.cache import clear_cache
 from sympy.external.gmpy import GROUND_TYPES
 
-from asymptotics import Expansion, cotangent, exact_string, expand, float_string, string
+from asymptotics import Expansion, exact_string, expand, float_string, string
+from asymptotics.rings import cotangent
 
 OMEGA = 0.83
 OURS = "ropewave: one cotangent, python-flint"

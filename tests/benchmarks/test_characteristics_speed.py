@@ -12,9 +12,9 @@ import math
 import numpy as np
 import pytest
 
-from numerics import characteristics_kernels as kernels
-from numerics.characteristics_orbits import return_map
-from numerics.drive import ramped_cosine
+from numerics.exact_string import kernels
+from numerics.exact_string.orbits import return_map
+from numerics.problems.drive import ramped_cosine
 
 OMEGA, EPSILON, LABELS = 2.2, 0.002, 256
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from asymptotics import ClosedForms, exact_string, expand
-from asymptotics.numpy_code import numpy_module
+from asymptotics.printing.numpy_code import numpy_module
 
 
 def typed(s, tau, omega, epsilon):  # type: ignore[no-untyped-def]

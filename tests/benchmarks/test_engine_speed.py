@@ -10,10 +10,10 @@ from __future__ import annotations
 import pytest
 
 from asymptotics import ClosedForms, exact_string, expand, float_string, moving_frame, prove
-from asymptotics.enclosures import enclosures
-from asymptotics.modular import wrong_tails
-from asymptotics.normal_form import _cotangent_form
-from derivations.formats import FORMATS, render
+from asymptotics.expansion.enclosures import enclosures
+from asymptotics.expansion.modular import wrong_tails
+from asymptotics.formulas.normal_form import _cotangent_form
+from derivations.reports.formats import FORMATS, render
 from tests.benchmarks.rivals import OURS, RIVALS, largest_error
 
 HIGHEST_RIVAL_ORDER = 5

@@ -1,10 +1,11 @@
 """How fast the contact simulators are; nothing here fails on time.
 
 One forcing period of a rope that follows: Ω = 2.5, ε = 0.05, β = 0.01, dx = 0.01. The rival is the
-same semi-discrete rope over springs (:mod:`numerics.penalty`) under ``scipy.integrate.solve_ivp``,
-by the fastest of its methods that were tried, LSODA told of the bandwidth, on a domain cut to what
-moves. Its κ and rtol are the cheapest of a table with which ξ_c comes as close to a reference in
-time (Verlet, same grid) as that of the implicit scheme with dt = dx, over the same period.
+same semi-discrete rope over springs (:mod:`numerics.simulation.penalty`) under
+``scipy.integrate.solve_ivp``, by the fastest of its methods that were tried, LSODA told of the
+bandwidth, on a domain cut to what moves. Its κ and rtol are the cheapest of a table with which ξ_c
+comes as close to a reference in time (Verlet, same grid) as that of the implicit scheme with dt =
+dx, over the same period.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ import time
 import numpy as np
 import pytest
 
-from numerics.contact import Scheme, Simulator
-from numerics.drive import ramped_cosine
-from numerics.observables import Column
-from numerics.penalty import penalty_ground, solve
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import simulate
-from numerics.trapezoidal import factor, revise, sweep
+from numerics.problems.drive import ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Scheme, Simulator
+from numerics.simulation.observables import Column
+from numerics.simulation.penalty import penalty_ground, solve
+from numerics.simulation.run import simulate
+from numerics.simulation.semi_discrete import Grid
+from numerics.simulation.trapezoidal import factor, revise, sweep
 
 OMEGA, EPSILON, BETA, DX = 2.5, 0.05, 0.01, 0.01
 PERIODS = 1
@@ -36,9 +37,9 @@ TRIES = ((1e4, 1e-3), (1e5, 1e-3), (1e5, 1e-4), (1e6, 1e-4), (1e6, 1e-5), (1e7, 
 FRESH = """
 import time
 begin = time.perf_counter()
-from numerics.simulation import simulate
-from numerics.drive import ramped_cosine
-from numerics.problem import RopeProblem
+from numerics.simulation.run import simulate
+from numerics.problems.drive import ramped_cosine
+from numerics.problems.problem import RopeProblem
 loaded = time.perf_counter()
 drive = ramped_cosine(2.5, 0.05)
 simulate(RopeProblem(0.01, drive), drive.period)

@@ -15,9 +15,9 @@ from pathlib import Path
 import pytest
 import sympy
 
-from asymptotics.storage import _seal
-from derivations import formats
+from asymptotics.expansion.storage import _seal
 from derivations.app import GOLDEN, main
+from derivations.reports import formats
 
 
 @pytest.fixture(autouse=True)
@@ -262,7 +262,7 @@ def test_bad_input_is_one_clear_error(
 def test_out_of_memory_is_one_clear_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from asymptotics import evaluate as module
+    from asymptotics.values import evaluate as module
 
     def fill(*_: object) -> None:
         raise MemoryError
@@ -277,7 +277,7 @@ def test_out_of_memory_is_one_clear_error(
 
 
 def test_a_fault_of_the_program_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
-    from asymptotics import evaluate as module
+    from asymptotics.values import evaluate as module
 
     def fail(*_: object) -> None:
         raise OSError(5, "Input/output error", "some/file")

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from derivations import catalogue
 from derivations.app import main
-from derivations.formats import write_files
+from derivations.reports import catalogue
+from derivations.reports.formats import write_files
 
 
 def test_no_committed_artefact_differs() -> None:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from asymptotics.errors import InputError
-from derivations.cross_check import draw, main, table
-from derivations.cross_check_data import Comparison, Errors
-from derivations.plots import save_figure
+from derivations.cross_check.data import Comparison, Errors
+from derivations.cross_check.ladder import draw, main, table
+from derivations.figures.plots import save_figure
 
 
 def made_up(beta: float, orders: int) -> Comparison:

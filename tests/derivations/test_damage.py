@@ -14,17 +14,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derivations import clash, figure2
-from derivations.figure2_points import check_points
-from numerics import checkpoint, run_files
-from numerics.contact import Simulator
-from numerics.drive import ramped_cosine
+from derivations import clash
+from derivations.figure2 import data as figure2
+from derivations.figure2.points import check_points
 from numerics.errors import FileError, InputError
-from numerics.files import LARGEST_JSON, read_json
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import follow
-from numerics.sweep import _name, _seal, sweep
+from numerics.files import checkpoint
+from numerics.files import runs as run_files
+from numerics.files.sealed import LARGEST_JSON, read_json
+from numerics.problems.drive import ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.run import follow
+from numerics.simulation.semi_discrete import Grid
+from numerics.sweeps.sweep import _name, _seal, sweep
 from tests.damage import harm, harm_hdf5, harm_json, harm_npz, resealed, spelled, unsealed
 
 PROBLEM = RopeProblem(0.04, ramped_cosine(2.5, 0.3, 2), damping=0.01)

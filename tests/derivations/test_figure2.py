@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from asymptotics.errors import InputError, ResultError
-from derivations import figure2
 from derivations.app import app, main
-from derivations.figure2_command import figure2 as command
-from derivations.figure2_fits import Curve, approach, curves, deviations, exponents, power
-from derivations.figure2_laws import (
+from derivations.commands.figure2 import figure2 as command
+from derivations.figure2 import data as figure2
+from derivations.figure2.fits import Curve, approach, curves, deviations, exponents, power
+from derivations.figure2.laws import (
     LARGEST_AMPLITUDE,
     Family,
     all_laws,
@@ -23,11 +23,11 @@ from derivations.figure2_laws import (
     fold_window,
     laws,
 )
-from derivations.figure2_plot import plot_figure2
-from derivations.figure2_points import MECHANISMS
-from derivations.figure2_tables import tables
+from derivations.figure2.plot import plot_figure2
+from derivations.figure2.points import MECHANISMS
+from derivations.figure2.tables import tables
 from numerics.errors import FileError
-from numerics.threshold import Mechanism
+from numerics.thresholds.threshold import Mechanism
 
 DOCS = Path(__file__).parents[2] / "docs"
 RESONANCES = ("1/2", "1/1", "2/1")

@@ -10,12 +10,18 @@ from pathlib import Path
 import platformdirs
 import pytest
 
-from asymptotics import storage
 from asymptotics.atomic import UNFINISHED
 from asymptotics.errors import UnwritableError
-from derivations import figure2, fold_report, plots, resonance_report, simulation_run, tongue_report
-from derivations.app import cache_folder, main
+from asymptotics.expansion import storage
+from derivations.app import main
+from derivations.cache import cache_folder
+from derivations.figure2 import data as figure2
+from derivations.figures import plots
 from derivations.files import check_folder, check_writable, write_file
+from derivations.reports import folds as fold_report
+from derivations.reports import resonances as resonance_report
+from derivations.reports import tongues as tongue_report
+from derivations.reports import watched_run as simulation_run
 
 # Imported here, so that none of them meets the stand-ins below and keeps them.
 LATER = (fold_report, plots, tongue_report)
@@ -88,10 +94,10 @@ COMMANDS = {
 def test_files_that_cannot_be_written_are_refused_before_the_work(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    import asymptotics.evaluate
-    import asymptotics.expansion
-    import asymptotics.folds
-    import asymptotics.tongues
+    import asymptotics.expansion.order_loop
+    import asymptotics.resonances.folds
+    import asymptotics.resonances.tongues
+    import asymptotics.values.evaluate
 
     def work(*_: object, **__: object) -> None:
         raise AssertionError("work was done")
@@ -100,9 +106,9 @@ def test_files_that_cannot_be_written_are_refused_before_the_work(
         (figure2, "compute"),
         (simulation_run, "watch"),
         (storage, "derive"),
-        (asymptotics.evaluate, "evaluate"),
-        (asymptotics.tongues, "tongue"),
-        (asymptotics.folds, "fold"),
+        (asymptotics.values.evaluate, "evaluate"),
+        (asymptotics.resonances.tongues, "tongue"),
+        (asymptotics.resonances.folds, "fold"),
         (resonance_report, "resonance_table"),
     ):
         monkeypatch.setattr(module, function, work)

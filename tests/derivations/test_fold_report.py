@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from asymptotics.errors import InputError
-from asymptotics.folds import Kind, fold
-from derivations.fold_report import coefficient_curve, fold_table, fold_text, plot_fold
+from asymptotics.resonances.folds import Kind, fold
+from derivations.reports.folds import coefficient_curve, fold_table, fold_text, plot_fold
 from tests.asymptotics.test_latex import compile_tex, needs_latex
 
 
@@ -113,7 +113,9 @@ def test_the_figure_stops_where_the_law_does(
     from matplotlib.figure import Figure
 
     drawn: list[Figure] = []
-    monkeypatch.setattr("derivations.plots.save_figure", lambda figure, path: drawn.append(figure))
+    monkeypatch.setattr(
+        "derivations.figures.plots.save_figure", lambda figure, path: drawn.append(figure)
+    )
     result = fold(p, q, 0.01)
     assert result.range is not None
     plot_fold(result, tmp_path / "a.svg")

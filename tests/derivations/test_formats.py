@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from asymptotics import ClosedForms, Expansion, prove
-from asymptotics.normal_form import _cotangent_form
-from derivations.formats import FORMATS, render
+from asymptotics.formulas.normal_form import _cotangent_form
+from derivations.reports.formats import FORMATS, render
 
 
 def test_cotangent_forms_are_computed_once_for_all_formats(sixth: Expansion) -> None:

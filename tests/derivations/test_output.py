@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from asymptotics.errors import ResultError
-from derivations.options import MOST_NUMBERS, numbers_of
+from derivations.commands.options import MOST_NUMBERS, numbers_of
 from derivations.output import json_text, show
 
 EVALUATE = ("evaluate", "--omega", "1.1", "--epsilon", "0.01")
@@ -60,7 +60,7 @@ def test_help_and_results_in_a_poor_encoding(encoding: str) -> None:
 
 def test_the_cross_check_in_a_poor_encoding() -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "derivations.cross_check", "--help"],
+        [sys.executable, "-m", "derivations.cross_check.ladder", "--help"],
         capture_output=True,
         env={**os.environ, "PYTHONIOENCODING": "ascii"},
     )

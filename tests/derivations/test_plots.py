@@ -8,7 +8,7 @@ import matplotlib
 import pytest
 
 from derivations.app import main
-from derivations.plots import drawing
+from derivations.figures.plots import drawing
 
 # Each of these changed or broke a figure that took its settings from the user's matplotlibrc.
 HOSTILE = {

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from asymptotics.beam_spectrum import linear_frequencies
 from asymptotics.errors import InputError
-from derivations.figure2_centres import figure2_centres, stiffness_of_centres
-from derivations.resonance_report import (
+from asymptotics.problems.beam_spectrum import linear_frequencies
+from derivations.figure2.centres import figure2_centres, stiffness_of_centres
+from derivations.reports.resonances import (
     as_json,
     as_text,
     latex_table,

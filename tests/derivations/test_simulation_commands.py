@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asymptotics.static_shape import contact_point
+from asymptotics.problems.static_shape import contact_point
 from derivations import progress as progress_module
 from derivations.app import main
-from derivations.simulation_run import default_dx, wave_heights
-from numerics.run_files import load
+from derivations.reports.watched_run import default_dx, wave_heights
+from numerics.files.runs import load
 
 DX = 0.025
 SHORT = ("--ramp", "3", "--periods", "6", "--keep", "2", "--dx", str(DX))

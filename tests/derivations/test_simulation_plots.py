@@ -13,15 +13,15 @@ from matplotlib.text import Text
 from PIL import Image, ImageSequence
 
 from asymptotics.errors import InputError
-from derivations.animation import FRAMES_PER_PERIOD, animate_run, animation_frames
-from derivations.simulation_plots import LEAST_HEIGHT, magnified_top, plot_run, run_figure
-from derivations.simulation_run import Watched, drive_of, watch
-from numerics.contact import Simulator
-from numerics.drive import at_rest
-from numerics.observables import Column
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import follow, simulate
+from derivations.figures.animation import FRAMES_PER_PERIOD, animate_run, animation_frames
+from derivations.figures.simulation import LEAST_HEIGHT, magnified_top, plot_run, run_figure
+from derivations.reports.watched_run import Watched, drive_of, watch
+from numerics.problems.drive import at_rest
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.observables import Column
+from numerics.simulation.run import follow, simulate
+from numerics.simulation.semi_discrete import Grid
 
 DX = 0.0125
 

@@ -11,8 +11,8 @@ import pytest
 import sympy
 
 from asymptotics.errors import InputError
-from asymptotics.tongues import tongue
-from derivations.tongue_report import as_json, as_text, latex_table, plot_orders, plot_tongues
+from asymptotics.resonances.tongues import tongue
+from derivations.reports.tongues import as_json, as_text, latex_table, plot_orders, plot_tongues
 
 
 def test_json_holds_the_paper() -> None:

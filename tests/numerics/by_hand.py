@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numerics.contact import Scheme, run_steps
-from numerics.observables import COLUMNS
-from numerics.semi_discrete import SemiDiscrete, State
+from numerics.simulation.contact import Scheme, run_steps
+from numerics.simulation.observables import COLUMNS
+from numerics.simulation.semi_discrete import SemiDiscrete, State
 
 EPS = float(np.finfo(float).eps)
 

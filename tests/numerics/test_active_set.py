@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from numerics.trapezoidal import ROUNDS, complementarity, factor, multiplier, revise, sweep
+from numerics.simulation.trapezoidal import (
+    ROUNDS,
+    complementarity,
+    factor,
+    multiplier,
+    revise,
+    sweep,
+)
 from tests.numerics.by_hand import EPS
 
 

@@ -8,13 +8,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from numerics import characteristics_kernels as kernels
-from numerics.characteristics import exact_string_motion
-from numerics.characteristics_orbits import EPS, differentiate
-from numerics.characteristics_thresholds import sonic_threshold, sonic_times, threshold_study
-from numerics.drive import Drive, at_rest, cosine, ramped_cosine, smooth_step
 from numerics.errors import InputError, SonicContactError
-from numerics.invariant_circle import invariant_circle
+from numerics.exact_string import kernels
+from numerics.exact_string.characteristics import exact_string_motion
+from numerics.exact_string.invariant_circle import invariant_circle
+from numerics.exact_string.orbits import EPS, differentiate
+from numerics.exact_string.thresholds import sonic_threshold, sonic_times, threshold_study
+from numerics.problems.drive import Drive, at_rest, cosine, ramped_cosine, smooth_step
 
 # The sheet's §4: thresholds for a ramp of 100 periods, hold not stated there.
 SHEET = {2.7: 0.0234, 2.8: 0.0177, 2.9: 0.0084, 3.3: 0.0027, 6.0: 0.0026}

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from numerics.checkpoint import KIND, resume, save_checkpoint, saving, start_or_resume
-from numerics.contact import BLOCK, Scheme, Simulator
-from numerics.drive import Drive, at_rest, cosine, ramped_cosine
 from numerics.errors import FileError, InputError
-from numerics.observables import Column
-from numerics.problem import DrivenEnd, RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import follow
+from numerics.files.checkpoint import KIND, resume, save_checkpoint, saving, start_or_resume
+from numerics.problems.drive import Drive, at_rest, cosine, ramped_cosine
+from numerics.problems.problem import DrivenEnd, RopeProblem
+from numerics.simulation.contact import BLOCK, Scheme, Simulator
+from numerics.simulation.observables import Column
+from numerics.simulation.run import follow
+from numerics.simulation.semi_discrete import Grid
 
 STEPS = 2000
 CASES = {
@@ -203,8 +203,8 @@ import os, random, signal, sys, time
 from pathlib import Path
 import numpy as np
 from tests.numerics.test_checkpoint import COARSE, SMALL, advance, bits
-from numerics.checkpoint import resume, save_checkpoint
-from numerics.contact import Simulator
+from numerics.files.checkpoint import resume, save_checkpoint
+from numerics.simulation.contact import Simulator
 
 path = Path(sys.argv[1])
 random.seed(1)

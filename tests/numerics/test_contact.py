@@ -7,15 +7,21 @@ import math
 import numpy as np
 import pytest
 
-from numerics import simulation
-from numerics.contact import Scheme, Simulator, equilibrium, run_steps
-from numerics.drive import Drive, at_rest, cosine, ramped_cosine
 from numerics.errors import ActiveSetError, InputError
-from numerics.exact_solutions import travelling_pulse
-from numerics.observables import COLUMNS, Column, contact_point, elastic_force, moving_size
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid, State, rope, string_on_obstacle
-from numerics.simulation import follow, simulate
+from numerics.exact_solutions.index import travelling_pulse
+from numerics.problems.drive import Drive, at_rest, cosine, ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation import run as simulation
+from numerics.simulation.contact import Scheme, Simulator, equilibrium, run_steps
+from numerics.simulation.observables import (
+    COLUMNS,
+    Column,
+    contact_point,
+    elastic_force,
+    moving_size,
+)
+from numerics.simulation.run import follow, simulate
+from numerics.simulation.semi_discrete import Grid, State, rope, string_on_obstacle
 from tests.numerics.by_hand import EPS, move, order, richardson, undriven
 
 both = pytest.mark.parametrize("scheme", list(Scheme))
@@ -324,7 +330,7 @@ def test_a_step_that_does_not_end_is_an_error_and_the_state_before_it_is_kept(mo
     broken, whole = (Simulator(problem, Grid(0.02, 3.0, 0.0)) for _ in range(2))
     for _ in whole.blocks(3 * whole.dt):
         pass
-    monkeypatch.setattr("numerics.contact.run_steps", three)
+    monkeypatch.setattr("numerics.simulation.contact.run_steps", three)
     with pytest.raises(ActiveSetError, match=r"the active set of step 4 \(tau = 0\.06\)"):
         next(broken.blocks(1.0))
     assert broken.step == 3

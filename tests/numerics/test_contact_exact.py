@@ -7,21 +7,21 @@ import math
 import numpy as np
 import pytest
 
-from numerics.characteristics import exact_string_motion
-from numerics.contact import Scheme, Simulator
-from numerics.drive import at_rest, ramped_cosine
 from numerics.errors import InputError
-from numerics.exact_solutions import (
+from numerics.exact_solutions.index import (
     bouncing_bar,
     plucked_string,
     static_contact_point,
     static_shape,
     travelling_pulse,
 )
-from numerics.observables import Column
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid, falling_bar, rope, string_on_obstacle
-from numerics.simulation import simulate
+from numerics.exact_string.characteristics import exact_string_motion
+from numerics.problems.drive import at_rest, ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Scheme, Simulator
+from numerics.simulation.observables import Column
+from numerics.simulation.run import simulate
+from numerics.simulation.semi_discrete import Grid, falling_bar, rope, string_on_obstacle
 from tests.numerics.by_hand import Motion, move, order, undriven
 
 both = pytest.mark.parametrize("scheme", list(Scheme))

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from numerics.contact import Simulator
-from numerics.drive import Drive, at_rest, cosine, ramped_cosine
 from numerics.errors import InputError
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid, falling_bar, string_on_obstacle
-from numerics.simulation import simulate
+from numerics.problems.drive import Drive, at_rest, cosine, ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.run import simulate
+from numerics.simulation.semi_discrete import Grid, falling_bar, string_on_obstacle
 
 GOOD = RopeProblem(0.01, at_rest())
 

@@ -7,23 +7,23 @@ import math
 import numpy as np
 import pytest
 
-from numerics import events
-from numerics.contact import Block, Scheme, Simulator
-from numerics.drive import at_rest, ramped_cosine
 from numerics.errors import InputError
-from numerics.event_study import Variant, first_event, study
-from numerics.events import (
+from numerics.events import finder as events
+from numerics.events.finder import (
     EventFinder,
     EventKind,
     contact_speed,
     fastest_contact,
 )
-from numerics.exact_solutions import travelling_pulse
-from numerics.observables import COLUMNS, Column
-from numerics.problem import RopeProblem
-from numerics.pulses import PULSE, ROOT, pulse_length, pulse_speed, smallest_wave
-from numerics.semi_discrete import Grid
-from numerics.waves import lifted_waves, track_waves
+from numerics.events.study import Variant, first_event, study
+from numerics.events.waves import lifted_waves, track_waves
+from numerics.exact_solutions.index import travelling_pulse
+from numerics.problems.drive import at_rest, ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.problems.pulses import PULSE, ROOT, pulse_length, pulse_speed, smallest_wave
+from numerics.simulation.contact import Block, Scheme, Simulator
+from numerics.simulation.observables import COLUMNS, Column
+from numerics.simulation.semi_discrete import Grid
 
 DX = 0.01
 

@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from numerics.exact_solutions import (
+from numerics.exact_solutions.index import (
     StringImpact,
     bouncing_bar,
     point_plateau,

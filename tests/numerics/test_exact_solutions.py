@@ -8,7 +8,7 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 
 from numerics.errors import InputError
-from numerics.exact_solutions import (
+from numerics.exact_solutions.index import (
     StringImpact,
     bouncing_bar,
     plucked_string,
@@ -17,7 +17,7 @@ from numerics.exact_solutions import (
     static_shape,
     travelling_pulse,
 )
-from numerics.problem import DrivenEnd
+from numerics.problems.problem import DrivenEnd
 
 EPS = float(np.finfo(float).eps)
 ENDS = list(DrivenEnd)

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from numerics.contact import Scheme, Simulator
-from numerics.drive import ramped_cosine
 from numerics.errors import InputError
-from numerics.exact_impact import StringImpact, point_plateau
-from numerics.grazing import fit_power, strike, wave_heights
-from numerics.problem import RopeProblem
-from numerics.pulses import pulse_speed
-from numerics.ramped_run import Settings
-from numerics.semi_discrete import Grid
-from numerics.waves import WaveTrack, track_waves
+from numerics.events.waves import WaveTrack, track_waves
+from numerics.exact_solutions.impact import StringImpact, point_plateau
+from numerics.problems.drive import ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.problems.pulses import pulse_speed
+from numerics.simulation.contact import Scheme, Simulator
+from numerics.simulation.semi_discrete import Grid
+from numerics.thresholds.grazing import fit_power, strike, wave_heights
+from numerics.thresholds.ramped_run import Settings
 
 SPACINGS = (0.01, 0.005, 0.0025, 0.00125)
 

@@ -8,7 +8,12 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 
 from numerics.errors import CircleNotFoundError, InputError, NumericsError
-from numerics.invariant_circle import EPS, CircleStatus, InvariantCircle, invariant_circle
+from numerics.exact_string.invariant_circle import (
+    EPS,
+    CircleStatus,
+    InvariantCircle,
+    invariant_circle,
+)
 
 CASES = [(0.83, 0.02), (0.83, 0.3), (2.2, 0.05), (2.7, 0.02), (4.0, 0.02), (0.83, -0.1)]
 

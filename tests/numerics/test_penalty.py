@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from numerics.contact import Scheme
-from numerics.drive import Drive, at_rest, ramped_cosine
 from numerics.errors import InputError, NumericsError
-from numerics.exact_solutions import static_contact_point
-from numerics.penalty import PenaltyGround, penalty_ground, solve
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import simulate
+from numerics.exact_solutions.index import static_contact_point
+from numerics.problems.drive import Drive, at_rest, ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Scheme
+from numerics.simulation.penalty import PenaltyGround, penalty_ground, solve
+from numerics.simulation.run import simulate
+from numerics.simulation.semi_discrete import Grid
 from tests.numerics.by_hand import order
 
 DX, UNTIL, SAMPLES = 0.05, 1.8, 18

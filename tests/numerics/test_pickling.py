@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from numerics import errors as all_errors
-from numerics.characteristics import exact_string_motion
-from numerics.contact import Simulator
-from numerics.drive import Drive, at_rest, cosine, ramped_cosine
 from numerics.errors import CircleNotFoundError, NumericsError, SonicContactError
-from numerics.invariant_circle import invariant_circle
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import simulate
+from numerics.exact_string.characteristics import exact_string_motion
+from numerics.exact_string.invariant_circle import invariant_circle
+from numerics.problems.drive import Drive, at_rest, cosine, ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.run import simulate
+from numerics.simulation.semi_discrete import Grid
 
 TIMES = np.linspace(0.0, 30.0, 301)
 # In a process that has imported nothing yet.

@@ -17,16 +17,16 @@ import numpy as np
 import pytest
 import xarray
 
-from numerics.checkpoint import save_checkpoint
-from numerics.contact import Simulator
-from numerics.drive import at_rest, cosine
 from numerics.errors import FileError, InputError, MissingPackageError
-from numerics.files import replace_file
-from numerics.observables import Column
-from numerics.problem import DrivenEnd, RopeProblem
-from numerics.run_files import dataset, load, save
-from numerics.semi_discrete import Grid
-from numerics.simulation import Run, simulate
+from numerics.files.checkpoint import save_checkpoint
+from numerics.files.runs import dataset, load, save
+from numerics.files.sealed import replace_file
+from numerics.problems.drive import at_rest, cosine
+from numerics.problems.problem import DrivenEnd, RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.observables import Column
+from numerics.simulation.run import Run, simulate
+from numerics.simulation.semi_discrete import Grid
 
 PROBLEM = RopeProblem(0.01, cosine(3.5, 0.5), DrivenEnd.CLAMPED, damping=0.02, restitution=0.25)
 GRID = Grid(0.025, length=7.0, sponge=2.5, strength=2.0)
@@ -254,7 +254,7 @@ def test_a_missing_package_is_named(
 
 @pytest.mark.slow
 def test_xarray_is_imported_when_it_is_needed() -> None:
-    code = "import sys, numerics.run_files; print({'xarray', 'h5py'} & set(sys.modules))"
+    code = "import sys, numerics.files.runs; print({'xarray', 'h5py'} & set(sys.modules))"
     root = Path(__file__).parents[2]
     done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True)
     assert done.stdout.strip() == "set()", done.stderr

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from numerics.atomic import UNFINISHED
 from numerics.errors import FileError, InputError
-from numerics.sweep import square, sweep
+from numerics.files.atomic import UNFINISHED
+from numerics.sweeps.sweep import square, sweep
 
 TASKS = [{"x": x} for x in range(5)]
 
@@ -134,7 +134,7 @@ def test_other_results_are_one_clear_error(value: Any, tmp_path: Path) -> None:
 def test_a_result_that_could_not_be_read_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("numerics.sweep.LARGEST_JSON", 300)
+    monkeypatch.setattr("numerics.sweeps.sweep.LARGEST_JSON", 300)
     with pytest.raises(InputError, match=r"takes \d+ bytes of JSON, more than 300"):
         sweep(lambda _: {"y": "x" * 300}, TASKS[:1], tmp_path)
 
@@ -148,7 +148,7 @@ def test_deeply_nested_results(tmp_path: Path) -> None:
 
 
 MAIN = """
-from numerics.sweep import square, sweep
+from numerics.sweeps.sweep import square, sweep
 from numerics.errors import NumericsError
 
 def mine(task):
@@ -218,7 +218,7 @@ def test_an_unwritable_folder(tmp_path: Path) -> None:
 SLOW = """
 import sys, time
 from pathlib import Path
-from numerics.sweep import sweep
+from numerics.sweeps.sweep import sweep
 
 def slowly(task):
     time.sleep(0.2)

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import pytest
 
-from numerics.characteristics_thresholds import sonic_threshold, sonic_times
-from numerics.contact import Scheme
-from numerics.drive import at_rest
 from numerics.errors import InputError
-from numerics.events import Event, EventKind
-from numerics.problem import RopeProblem
-from numerics.pulses import smallest_wave
-from numerics.ramped_run import Outcome, Settings, base_settings, run_once
-from numerics.threshold import (
+from numerics.events.finder import Event, EventKind
+from numerics.exact_string.thresholds import sonic_threshold, sonic_times
+from numerics.problems.drive import at_rest
+from numerics.problems.problem import RopeProblem
+from numerics.problems.pulses import smallest_wave
+from numerics.simulation.contact import Scheme
+from numerics.thresholds.ramped_run import Outcome, Settings, base_settings, run_once
+from numerics.thresholds.threshold import (
     Mechanism,
     ThresholdNotFoundError,
     bracket,
@@ -221,6 +221,6 @@ def test_no_loss_at_any_amplitude_is_said():
 
 
 def test_a_loss_at_every_amplitude_is_said(monkeypatch):
-    monkeypatch.setattr("numerics.threshold.LOWEST", 0.1)
+    monkeypatch.setattr("numerics.thresholds.threshold.LOWEST", 0.1)
     with pytest.raises(ThresholdNotFoundError, match="even at"):
         bracket(2.9, BETA, COARSE, near=0.3)

@@ -19,9 +19,9 @@ import pytest
 from mpmath import mpf
 
 from asymptotics import Expansion, expand
-from asymptotics.beam import beam, static_beam
-from asymptotics.beam_numbers import digits
-from asymptotics.static_shape import DRIVEN_ENDS
+from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.rings.numbers import digits
 
 ORDER = 5
 BETA, OMEGA = "0.01", "2.2"

@@ -1,6 +1,6 @@
 """The emitted closed forms against the exact string and the simulator: error ∝ ε^{N+1}.
 
-What is judged where, by one rule, is in :mod:`derivations.cross_check_data`: at amplitudes that the
+What is judged where, by one rule, is in :mod:`derivations.cross_check.data`: at amplitudes that the
 series itself allows (q = 0.3), where the error exceeds 10 floors (exact string) or 3 (simulator),
 the floors measured without the series.
 
@@ -18,15 +18,7 @@ import re
 import numpy as np
 import pytest
 
-from derivations.cross_check import (
-    BEAM_LARGEST,
-    BEAM_OMEGA,
-    BETA,
-    GOLDEN,
-    STRING_LARGEST,
-    STRING_OMEGA,
-)
-from derivations.cross_check_data import (
+from derivations.cross_check.data import (
     PLACES,
     SETTLE,
     Comparison,
@@ -34,17 +26,25 @@ from derivations.cross_check_data import (
     against_exact_string,
     ramped,
 )
-from derivations.cross_check_forms import (
+from derivations.cross_check.forms import (
     beam_form,
     phases,
     string_form,
     string_source,
 )
-from derivations.cross_check_runs import against_simulator, layer_residual
+from derivations.cross_check.ladder import (
+    BEAM_LARGEST,
+    BEAM_OMEGA,
+    BETA,
+    GOLDEN,
+    STRING_LARGEST,
+    STRING_OMEGA,
+)
+from derivations.cross_check.runs import against_simulator, layer_residual
 from derivations.generated import beam_order3_pinned, string_order4
-from numerics.characteristics import exact_string_motion
-from numerics.contact import Scheme
-from numerics.invariant_circle import invariant_circle
+from numerics.exact_string.characteristics import exact_string_motion
+from numerics.exact_string.invariant_circle import invariant_circle
+from numerics.simulation.contact import Scheme
 
 ORDERS = (1, 2, 3, 4)
 # At the smallest amplitude judged: a tenth is the floor's, and next terms are below a hundredth.

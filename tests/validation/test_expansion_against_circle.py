@@ -26,7 +26,7 @@ import numpy as np
 import pytest
 
 from asymptotics import Expansion, MovingFrame, expand, float_string, moving_frame
-from numerics.invariant_circle import InvariantCircle, invariant_circle
+from numerics.exact_string.invariant_circle import InvariantCircle, invariant_circle
 
 ORDER = 8
 OMEGAS = (0.83, 1.2, 2.2, 2.7, 4.0, 5.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asymptotics.folds import Fold, Kind, fold
+from asymptotics.resonances.folds import Fold, Kind, fold
 from tests.validation.beam_states import BeamStates, extremum
 
 

@@ -16,11 +16,11 @@ import math
 import numpy as np
 import pytest
 
-from asymptotics.pendulum import momentum
-from asymptotics.singular import centre_shift, singular_part
-from asymptotics.tongues import limit_law
+from asymptotics.resonances.pendulum import momentum
+from asymptotics.resonances.singular_part import centre_shift, singular_part
+from asymptotics.resonances.tongues import limit_law
 from numerics.errors import CircleNotFoundError
-from numerics.invariant_circle import invariant_circle
+from numerics.exact_string.invariant_circle import invariant_circle
 
 NODES = 64
 THETA = np.arange(NODES) * (2 * math.pi / NODES)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from numerics.contact import Simulator
-from numerics.drive import cosine
-from numerics.observables import Column
-from numerics.problem import RopeProblem
-from numerics.semi_discrete import Grid
-from numerics.simulation import follow
+from numerics.problems.drive import cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.contact import Simulator
+from numerics.simulation.observables import Column
+from numerics.simulation.run import follow
+from numerics.simulation.semi_discrete import Grid
 from tests.benchmarks.forced_rope import (
     BETA,
     EPSILON,

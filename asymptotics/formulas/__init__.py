@@ -1,0 +1,1 @@
+"""Ring elements as formulas: normal forms, the zero test, expressions in SymPy."""

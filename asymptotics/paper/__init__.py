@@ -1,0 +1,1 @@
+"""The printed formulas of the paper, and the check that ours equal them."""

@@ -1,0 +1,1 @@
+"""Formulas as text, LaTeX and NumPy code, with the helpers that are copied into it."""

@@ -1,0 +1,1 @@
+"""The emitted closed forms against both kinds of numerics."""

@@ -1,0 +1,1 @@
+"""What a run did: contacts, waves, and how sure that is."""

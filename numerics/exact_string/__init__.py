@@ -1,0 +1,1 @@
+"""The string without bending, exactly: characteristics and invariant circles."""

@@ -1,0 +1,1 @@
+"""Runs and checkpoints on disk: sealed, checked, whole or not at all."""

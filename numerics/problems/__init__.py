@@ -1,0 +1,1 @@
+"""The rope and its drives, stated independently of the algebra."""

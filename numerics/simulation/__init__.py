@@ -1,0 +1,1 @@
+"""The rope in contact, in time: nodes and forces, two integrators, a run."""

@@ -1,0 +1,1 @@
+"""Where the wave-less state is lost, as intervals."""
