@@ -7,6 +7,7 @@ they are ours.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn
 
@@ -84,7 +85,8 @@ def derive(
     if plot is not None:  # first: it is quick, and knows whether Ω and ε make sense
         from derivations.figures.plots import plot_period
 
-        plot_period(omega, epsilon, order, plot)
+        with progress("drawing", 1.0, quiet=as_json, fine=True) as report:
+            plot_period(omega, epsilon, order, plot, _share_of_orders(report, order))
         written.append(plot)
     forms, proofs = _derivation(order, style, cache, quiet=as_json)
     text: dict[str, str] = {}
@@ -106,6 +108,11 @@ def derive(
     if format is None and "text" not in formats:
         note(_left_out(order, out))
     wrote(*written)
+
+
+def _share_of_orders(report: Any, order: int) -> Callable[[int], None]:
+    """n ↦ the share done: work grows like n⁵, and the moving frame is as much again."""
+    return lambda n: report(0.5 * ((n - 1) // order + (((n - 1) % order + 1) / order) ** 5))
 
 
 def _formats(format: str | None, out: Path | None, order: int) -> tuple[str, ...]:
@@ -194,17 +201,12 @@ def evaluate(
             f"than {MOST_VALUES}; give fewer, or use asymptotics.values.evaluate in Python"
         )
     with progress("expanding", 1.0, fine=True) as report:
-        # Work grows like n⁵, and carrying the shape to the contact point is as much again.
-        result = compute(
-            *point,
-            places,
-            times,
-            lambda n: report(0.5 * ((n - 1) // order + (((n - 1) % order + 1) / order) ** 5)),
-        )
+        result = compute(*point, places, times, _share_of_orders(report, order))
     if plot is not None:
         from derivations.figures.plots import plot_period
 
-        plot_period(*point, plot)
+        with progress("drawing", 1.0, fine=True) as report:
+            plot_period(*point, plot, _share_of_orders(report, order))
     fields = {
         "command": "evaluate",
         "omega": result.omega,

@@ -58,9 +58,12 @@ def progress(
 
     shown = started + PATIENCE - LINE_EVERY
     first: tuple[float, float] | None = None
+    reached = 0.0
 
     def report(done: float, word: str = "") -> None:
-        nonlocal shown, first
+        nonlocal shown, first, reached
+        # Work that is done anew with more digits takes nothing back.
+        reached = done = max(done, reached)
         now = time.monotonic()
         elapsed = now - started
         # Before the first call there was compiling, and what was done already was not done now.

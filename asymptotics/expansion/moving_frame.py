@@ -141,7 +141,7 @@ def _rounded_frame(expansion: RoundedExpansion, progress: Progress | None) -> Mo
         name = expansion.problem.name
         return [{j: to_double(c, name) for j, c in harmonics.items()} for harmonics in series]
 
-    frame = expansion.certain(lambda balls: moving_frame(balls, progress), groups)
+    frame = expansion.certain(lambda balls: moving_frame(balls, progress), groups, progress)
     static = tuple(rounded(series) for series in frame.static)
     modes = {k: tuple(rounded(series) for series in rows) for k, rows in frame.modes.items()}
     return MovingFrame(expansion, static, modes)

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from asymptotics.expansion.order_loop import Expansion, Order, expansions
+from asymptotics.expansion.order_loop import Expansion, Order, Progress, expansions
 from asymptotics.problems.problem import Problem
 from asymptotics.rings.precision import PrecisionError, at_precision, doubled, until
 from asymptotics.rings.rounding import accurate, to_double
@@ -54,18 +54,26 @@ class RoundedExpansion(Expansion[Any]):
             for mine, each in zip(self.orders, balls, strict=True)
         )
 
-    def certain(self, compute: Callable[[Expansion[Any]], Any], parts: Callable[[Any], Any]) -> Any:
+    def certain(
+        self,
+        compute: Callable[[Expansion[Any]], Any],
+        parts: Callable[[Any], Any],
+        progress: Progress | None = None,
+    ) -> Any:
         """``compute`` of the balls' expansion, at a precision that makes its balls accurate.
 
         ``parts`` lists the result's balls, order by order. One below 2⁻²⁵⁶ of its order's largest
-        is right to that absolute accuracy: sums over many terms often vanish.
+        is right to that absolute accuracy: sums over many terms often vanish. ``progress`` is
+        called with 0, as a sign of life, whenever an order has been expanded with more bits.
         """
         known = [Expansion(self.balls.problem, self.balls.orders[: self.order])]
 
         def attempt() -> Any:
             if not known:
-                *_, longest = expansions(over_balls(self.problem), self.order)
-                known.append(longest)
+                for longer in expansions(over_balls(self.problem), self.order):
+                    known[:] = [longer]
+                    if progress is not None:
+                        progress(0)
             return compute(known.pop())
 
         def settled(result: Any) -> bool:

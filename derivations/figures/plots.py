@@ -14,6 +14,7 @@ import numpy as np
 
 from asymptotics.checks import finite_number
 from asymptotics.errors import InputError
+from asymptotics.expansion.order_loop import Progress
 from asymptotics.values.evaluate import string_expansion
 from asymptotics.values.response import Response, response
 from derivations.files import check_writable, write_file
@@ -80,21 +81,25 @@ def save_figure(figure: Any, path: Path) -> None:
     write_file(path, drawn.getvalue())
 
 
-def plot_period(omega: float, epsilon: float, order: int, path: Path) -> Response:
+def plot_period(
+    omega: float, epsilon: float, order: int, path: Path, progress: Progress | None = None
+) -> Response:
     """Draw the profile over one period and ξ_c(τ), from the series of the given order.
 
-    Returns what was drawn: the whole rope, 401 positions at each of 97 times.
+    Returns what was drawn: the whole rope, 401 positions at each of 97 times. ``progress`` is
+    called as by :func:`asymptotics.values.evaluate.evaluate`.
     """
     check_plot_path(path)
     epsilon = finite_number("epsilon", epsilon)
-    expansion, drive = string_expansion(omega, epsilon, order)
+    expansion, drive = string_expansion(omega, epsilon, order, progress)
+    frame_done = None if progress is None else lambda n: progress(order + n)
     period = 2 * math.pi / drive.frequencies[0]
     if math.isinf(period):
         raise InputError(f"Omega = {omega!r} has no period to draw; give a larger one")
     tau = np.linspace(0.0, period, 97)
     contact = response(expansion, drive.phase, epsilon, [], tau).contact
     s = contact[:, None] * np.linspace(-1.0, 0.0, 401)
-    result = response(expansion, drive.phase, epsilon, s, tau)
+    result = response(expansion, drive.phase, epsilon, s, tau, frame_done)
     save_figure(_period_figure(result, drive.frequencies[0]), path)
     return result
 

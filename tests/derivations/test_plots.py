@@ -7,8 +7,9 @@ from pathlib import Path
 import matplotlib
 import pytest
 
+from asymptotics import expand, float_string, moving_frame
 from derivations.app import main
-from derivations.figures.plots import drawing
+from derivations.figures.plots import drawing, plot_period
 
 # Each of these changed or broke a figure that took its settings from the user's matplotlibrc.
 HOSTILE = {
@@ -74,3 +75,18 @@ def test_drawing_leaves_the_users_settings_as_they_were() -> None:
             assert matplotlib.rcParams["axes.spines.top"] is False
             assert matplotlib.rcParams["text.usetex"] is False
         assert dict(matplotlib.rcParams) == before
+
+
+def test_drawing_tells_how_far_it_is(tmp_path: Path) -> None:
+    told: list[int] = []
+    plot_period(2.2, 0.01, 6, tmp_path / "rope.png", told.append)
+    assert sorted(set(told) - {0}) == list(range(1, 13))
+
+
+def test_more_digits_give_signs_of_life() -> None:
+    """Far beyond its radius of convergence the frame needs the expansion anew, with more bits."""
+    told: list[int] = []
+    solution = expand(float_string(3.0, 20), 20)
+    moving_frame(solution, told.append)
+    assert told.count(0) % 20 == 0
+    assert told.count(0) > 0
