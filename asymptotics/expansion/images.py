@@ -60,7 +60,7 @@ def image_of_problem(problem: Problem[E], ring: Ring[F], value: Callable[[E], F]
         equation_residual=lambda j, w: _inner(weights.equation(j), w, ring),
         end_residual=lambda j, w: tuple(_inner(x, w, ring) for x in weights.end(j)),
         end_unit=cache(lambda j: row(problem.end_unit(j))),
-        load=value(problem.load),
+        load=tuple(map(value, problem.load)),
         static_end_residual=static_end_residual,
     )
 

@@ -19,9 +19,9 @@ once computed, is never touched again: extending an expansion appends to it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Generic
+from typing import Any, Generic, Protocol
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
@@ -30,6 +30,13 @@ from asymptotics.rings.harmonics import Harmonics, Terms, collect, multiply_into
 from asymptotics.rings.ring import E
 
 Progress = Callable[[int], None]
+
+
+class Rope(Protocol):
+    """What becomes a problem at values of its parameters."""
+
+    def at(self, at: Mapping[Any, Any] | None) -> Problem[Any]:
+        """The problem there."""
 
 
 @dataclass(frozen=True)
@@ -118,23 +125,28 @@ def derivative_towers(expansion: Expansion[E]) -> Callable[[int, int, int], E]:
 
 
 def expand(
-    problem: Problem[E],
+    problem: Problem[E] | Rope,
     order: int,
     start: Expansion[E] | None = None,
     progress: Progress | None = None,
+    *,
+    at: Mapping[Any, Any] | None = None,
 ) -> Expansion[E]:
     """Expand a problem to the given order.
 
     Parameters
     ----------
     problem
-        What to expand, see :class:`~asymptotics.problems.problem.Problem`.
+        What to expand, see :class:`~asymptotics.problems.problem.Problem`; or a rope as it was
+        written down, see :func:`~asymptotics.problems.moving_contact.moving_contact`.
     order
         N ≥ 1.
     start
         An expansion of the same problem to continue; its orders are kept as they are.
     progress
         Called with n when order n is done.
+    at
+        For a rope as it was written down the values of its parameters, Ω among them.
 
     Raises
     ------
@@ -150,6 +162,10 @@ def expand(
     >>> solution.contact(2)          # ξ₂ = −Ω²/16 − Ω³/8 cot 2Ω cos 2θ
     {0: (-Omega^2)/(16), 2: (-Omega^3*c^2 + Omega^3)/(32*(c))}
     """
+    if not isinstance(problem, Problem):
+        problem = problem.at(at)
+    elif at is not None:
+        raise InputError(f"at = {at!r}: {problem.name} has its numbers already; leave it out")
     expansion = replace(start, orders=start.orders[: check_order(order)]) if start else None
     for expansion in expansions(problem, order, start):
         if progress is not None:

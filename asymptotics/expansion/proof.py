@@ -185,8 +185,8 @@ def _static_residuals(expansion: Expansion[E], frame: MovingFrame[E]) -> Residua
     equation = {}
     for d in range(expansion.order + 1):
         terms = [problem.equation_residual(0, [static(d + i) for i in range(r + 1)])]
-        if d == 0:
-            terms.append(minus * problem.load)
+        if d < len(problem.load):
+            terms.append(minus * problem.load[d])
         equation[0, d] = ring.sum(terms)
         lower = [chi * static(d + i) for i, chi in enumerate(reduction)]
         equation[1, d] = ring.sum([minus * static(d + R), *lower])

@@ -135,7 +135,10 @@ def _at_each_step(
         steps = expansions(exact, order, start)
     while True:
         with at_precision(bits):
-            step = next(steps, None)
+            try:
+                step = next(steps, None)
+            except PrecisionError:
+                return
         if step is None:
             return
         yield step

@@ -124,7 +124,7 @@ def symbolic_beam(order: int) -> Problem[fmpq_mpoly]:
         ),
         end_residual=end_residual,
         end_unit=lambda j: (ring["S2"], ring["S3"]),
-        load=minus * sigma,
+        load=(minus * sigma,),
         static_end_residual=lambda a: (),
     )
 

@@ -202,7 +202,7 @@ def beam(
         equation_residual=equation_residual,
         end_residual=lambda j, w: end_residuals(wave(j), w),
         end_unit=lambda j: (ring.one, ring.zero),
-        load=ring.rational(2),
+        load=(ring.rational(2),),
         static_end_residual=lambda a: static_end_residuals(shape, a, numbers),
         rest=shape.contact_point,
     )

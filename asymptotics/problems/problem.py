@@ -75,7 +75,8 @@ class Problem(Remembered, Generic[E]):
         (j, [w, w′, …, first r]) ↦ what each homogeneous condition at the driven end, of which there
         are r − m + 1, leaves of one harmonic; and j ↦ what a unit drive leaves of each.
     load, static_end_residual
-        What the static shape leaves of the PDE (its weight); and d ↦ a_d ↦ what a static shape with
+        What the static shape leaves of the PDE at ξ₀ (its weight) and of its derivatives in ξ, as
+        far as they do not vanish; and d ↦ a_d ↦ what a static shape with
         these derivatives leaves of each condition at the driven end (zero for W₀), linear in them
         but for a constant.
     rest
@@ -101,7 +102,7 @@ class Problem(Remembered, Generic[E]):
     equation_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
     end_residual: Callable[[int, Sequence[E]], tuple[E, ...]] = field(repr=False)
     end_unit: Callable[[int], tuple[E, ...]] = field(repr=False)
-    load: E = field(repr=False)
+    load: tuple[E, ...] = field(repr=False)
     static_end_residual: Callable[[Callable[[int], E]], tuple[E, ...]] = field(repr=False)
     rest: E | None = None
     balls: Callable[[], Problem[Any]] | None = field(default=None, repr=False)
@@ -176,7 +177,7 @@ def driven_string(
         equation_residual=lambda j, w: equation_residual(j, w) if j else w[2],
         end_residual=lambda j, w: (end_residual(j, w) if j else ring.sum([w[0], minus * w[1]]),),
         end_unit=lambda j: (end_unit(j) if j else ring.one,),
-        load=ring.rational(2),
+        load=(ring.rational(2),),
         # A parabola in ξ − 1 is a₀ − a₁ + a₂/2 at ξ = 0, where it is held at 1.
         static_end_residual=lambda a: (
             ring.sum([a(0), minus * a(1), ring.rational(1, 2) * a(2), minus]),

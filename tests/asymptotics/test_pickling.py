@@ -226,7 +226,7 @@ def test_errors_cross_processes() -> None:
         InputError("no"),
     ]
     with pytest.raises(RefutedError) as caught:
-        prove(expand(replace(exact_string(), load=exact_string().ring.zero), 2))
+        prove(expand(replace(exact_string(), load=(exact_string().ring.zero,)), 2))
     errors.append(caught.value)
     kinds = [k for _, k in inspect.getmembers(all_errors, inspect.isclass) if k.__doc__]
     errors += [

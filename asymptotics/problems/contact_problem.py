@@ -1,0 +1,303 @@
+"""A reader's rope at values of its parameters, as a problem over balls or rounded doubles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import sympy
+from flint import acb, arb, ctx
+
+from asymptotics.errors import InputError
+from asymptotics.problems.enclosed_expressions import enclose
+from asymptotics.problems.fundamental import Propagator, product, solve
+from asymptotics.problems.moving_contact import MovingContact
+from asymptotics.problems.problem import Mode, Problem
+from asymptotics.problems.static_contact import check_static_shape, enclosed_root, static_data
+from asymptotics.rings.balls import AcbRing, ArbRing
+from asymptotics.rings.pickling import remembering
+from asymptotics.rings.precision import PrecisionError, at_precision, until
+from asymptotics.rings.ring import ComplexRing, FloatRing
+from asymptotics.rings.rounding import accurate, to_double
+
+Values = tuple[tuple[str, Fraction], ...]
+
+
+class Enclosed:
+    """All that :class:`~asymptotics.problems.problem.Problem` asks, in one precision."""
+
+    def __init__(self, rope: MovingContact, values: Values) -> None:
+        self.rope, self.values = rope, dict(values)
+        self.omega = enclose(sympy.Symbol("Omega"), self.values)
+        self.m, self.r = rope.contact_order, rope.order
+        self.drive = [self._amplitudes(dict(c.drive)) for c in rope.driven_end]
+        self.harmonics = sorted({j for row in self.drive for j in row})
+        self.even = self._is_even()
+        self.ring: Any = ArbRing() if self.even else AcbRing()
+        self.static = static_data(rope, self.values)
+        self.mode, self.end_rows = cache(self._mode), cache(self._end_rows)
+
+    def _amplitudes(self, drive: dict[int, sympy.Expr]) -> dict[int, acb]:
+        """j ≥ 0 ↦ the amplitude of e^{ijΩτ}, when the drive is real."""
+        values = {j: enclose(amplitude, self.values) for j, amplitude in drive.items()}
+        for j, amplitude in values.items():
+            mirrored = values.get(-j, acb(0))
+            if not (amplitude - mirrored.conjugate()).contains(0):
+                raise InputError("driven end: the drive is not real at these parameters")
+        return {j: amplitude for j, amplitude in values.items() if j >= 0}
+
+    def _is_even(self) -> bool:
+        """Whether state and coefficients are real: no odd ∂_τ, cosines only."""
+        rope = self.rope
+        statements = [rope.equation.terms, *(condition.terms for condition in rope.driven_end)]
+        odd = any(l % 2 for terms in statements for _, l in terms)
+        return not odd and all(x.imag.contains(0) for row in self.drive for x in row.values())
+
+    def rates(self, terms: Any, j: int, length: int) -> list[acb]:
+        """Σ_l c_{kl} (ijΩ)^l for k = 0 … length − 1."""
+        found = [acb(0)] * length
+        rate = acb(0, 1) * j * self.omega
+        for (k, power), value in terms.items():
+            found[k] = found[k] + enclose(value, self.values) * (rate**power if power else 1)
+        return found
+
+    def propagator(self, j: int) -> Propagator:
+        """Of harmonic j, when its leading coefficient does not vanish."""
+        found = self.rates(self.rope.equation.terms, j, self.r + 1)
+        leading = found[self.r]
+        if leading.contains(0):
+            self._refuse_vanishing(j)
+            raise PrecisionError(f"the leading coefficient of harmonic {j}", leading)
+        return Propagator(tuple(found))
+
+    def _refuse_vanishing(self, j: int) -> None:
+        exact = sympy.Integer(0)
+        names = {
+            name: sympy.Rational(x.numerator, x.denominator) for name, x in self.values.items()
+        }
+        for (k, power), value in self.rope.equation.terms.items():
+            if k == self.r:
+                at = {symbol: names[symbol.name] for symbol in value.free_symbols}
+                exact += value.subs(at) * (sympy.I * j * names["Omega"]) ** power
+        if sympy.simplify(exact) == 0:
+            raise InputError(
+                f"equation: the coefficient of the highest derivative in ξ vanishes at harmonic "
+                f"{j}, where the order of the equation drops; change Omega or a parameter"
+            )
+
+    def rows(self, j: int) -> list[list[acb]]:
+        """E(ijΩ)."""
+        return [self.rates(condition.terms, j, self.r) for condition in self.rope.driven_end]
+
+    def amplitudes(self, j: int) -> list[acb]:
+        """What drives harmonic j in each condition."""
+        return [row.get(j, acb(0)) for row in self.drive]
+
+    def element(self, ball: acb) -> Any:
+        """As an element of the ring: real where the problem is even."""
+        return ball.real if self.even else ball
+
+    def _mode(self, j: int) -> Mode[Any]:
+        m, r, what = self.m, self.r, f"harmonic {j}"
+        equation = self.propagator(j)
+        reduction = [-c / equation.coefficients[r] for c in equation.coefficients[:r]]
+        table = product(self.rows(j), equation.backwards(self.static.point))
+        block = [row[m - 1 :] for row in table]
+        impedance = []
+        for i in range(m - 1):
+            found = solve(block, [-row[i] for row in table], what)
+            impedance.append([*(acb(k == i) for k in range(m - 1)), *found])
+        source = [acb(0)] * (m - 1) + solve(block, self.amplitudes(j), what)
+        element = self.element
+        return Mode(
+            tuple(map(element, reduction)),
+            tuple(tuple(map(element, row)) for row in impedance),
+            tuple(map(element, source)),
+        )
+
+    def equation_residual(self, j: int, w: Sequence[Any]) -> Any:
+        """The polynomials c_k themselves, on w, w′, …."""
+        found = self.rates(self.rope.equation.terms, j, self.r + 1)
+        return self.ring.sum([self.element(c) * x for c, x in zip(found, w, strict=True)])
+
+    def _end_rows(self, j: int) -> tuple[list[list[Any]], list[Any]]:
+        """The conditions at the driven end on w … w^{(r−1)} at ξ₀, solved for the last n of them.
+
+        So scaled, no growing solution hides the others.
+        """
+        equation = self.propagator(j)
+        table = product(self.rows(j), equation.stepwise(self.static.point))
+        block, what = [row[self.m - 1 :] for row in table], f"driven end of harmonic {j}"
+        columns = [solve(block, [row[i] for row in table], what) for i in range(self.m - 1)]
+        unit = solve(block, self.amplitudes(j), what)
+        count = len(unit)
+        rows = [
+            [*(columns[i][k] for i in range(self.m - 1)), *(acb(k == i) for i in range(count))]
+            for k in range(count)
+        ]
+        return [[self.element(x) for x in row] for row in rows], [self.element(x) for x in unit]
+
+    def static_end_rows(self) -> tuple[list[list[Any]], list[Any]]:
+        """The same for the static shape: rows on a_0 … a_{r−1} and what they leave without any."""
+        static = self.static
+        table = product(self.rows(0), static.propagator.stepwise(static.point))
+        block, what = [row[self.m - 1 : self.r] for row in table], "driven end at rest"
+        columns = [solve(block, [row[i] for row in table], what) for i in range(self.m - 1)]
+        left = [
+            sum((row[self.r + p] * x for p, x in enumerate(static.load)), -constant)
+            for row, constant in zip(table, static.constants, strict=True)
+        ]
+        constants = solve(block, left, what)
+        count = len(constants)
+        rows = [
+            [*(columns[i][k] for i in range(self.m - 1)), *(acb(k == i) for i in range(count))]
+            for k in range(count)
+        ]
+        return [[self.element(x) for x in row] for row in rows], [
+            self.element(x) for x in constants
+        ]
+
+
+def _named(rope: MovingContact, values: Values, kind: str) -> str:
+    spelled = ", ".join(f"{name} = {_spelled(value)}" for name, value in values)
+    ends = "; ".join(str(dict(condition.terms)) + str(dict(condition.drive)) for condition in rope.driven_end)
+    return f"rope {rope} with {ends} at {spelled}{kind}"
+
+
+def _spelled(value: Fraction) -> str:
+    return repr(float(value)) if Fraction(float(value)) == value else str(value)
+
+
+@remembering
+def enclosed_problem(rope: MovingContact, values: Values) -> Problem[Any]:
+    """The problem over balls, in the precision of the moment; see :meth:`MovingContact.at`."""
+    check_static_shape(rope, dict(values))
+    return _problem(rope, values, Enclosed(rope, values))
+
+
+def _problem(rope: MovingContact, values: Values, made: Enclosed) -> Problem[Any]:
+    ring, static = made.ring, made.static
+
+    def end_residual(j: int, w: Sequence[Any]) -> tuple[Any, ...]:
+        rows, _ = made.end_rows(j)
+        return tuple(_inner(ring, row, w) for row in rows)
+
+    def static_end_residual(a: Callable[[int], Any]) -> tuple[Any, ...]:
+        rows, constants = made.static_end_rows()
+        first = [a(d) for d in range(made.r)]
+        return tuple(
+            ring.sum([constant, _inner(ring, row, first)])
+            for row, constant in zip(rows, constants, strict=True)
+        )
+
+    return Problem(
+        name=_named(rope, values, " in balls"),
+        ring=ring,
+        contact_order=made.m,
+        static=cache(lambda d: made.element(static.derivative(d))),
+        static_reduction=tuple(map(made.element, static.reduction)),
+        mode=made.mode,
+        drive={j: ring.one for j in made.harmonics},
+        inverse_leading=made.element(1 / static.derivative(made.m)),
+        equation_residual=made.equation_residual,
+        end_residual=end_residual,
+        end_unit=lambda j: tuple(made.end_rows(j)[1]),
+        load=tuple(map(made.element, static.load)),
+        static_end_residual=static_end_residual,
+        rest=made.element(acb(static.point)),
+    )
+
+
+def _inner(ring: Any, row: Sequence[Any], w: Sequence[Any]) -> Any:
+    return ring.sum([c * x for c, x in zip(row, w, strict=False)])
+
+
+@remembering
+def rounded_problem(rope: MovingContact, values: Values) -> Problem[Any]:
+    """The problem in doubles, each rounded from balls; its expansion is, too."""
+    check_static_shape(rope, dict(values))
+    known: dict[int, Enclosed] = {}
+
+    def at_bits() -> Enclosed:
+        if ctx.prec not in known:
+            known[ctx.prec] = Enclosed(rope, values)
+        return known[ctx.prec]
+
+    name = _named(rope, values, "")
+
+    def numbers(pick: Callable[[Enclosed], Sequence[Any]]) -> tuple[Any, ...]:
+        def settled(balls: Sequence[Any]) -> bool:
+            return all(accurate([ball]) or bool(abs(ball) < arb(2) ** -1074) for ball in balls)
+
+        found, bits = until(settled, lambda: pick(at_bits()), name)
+        with at_precision(bits):
+            return tuple(to_double(ball, name) for ball in found)
+
+    first, _ = until(lambda made: True, at_bits, name)
+    ring: Any = FloatRing() if first.even else ComplexRing()
+    m, r = rope.contact_order, rope.order
+    n = r - m + 1
+
+    @cache
+    def mode(j: int) -> Mode[Any]:
+        def flat(made: Enclosed) -> list[Any]:
+            mode = made.mode(j)
+            return [*mode.reduction, *mode.source, *(x for row in mode.impedance for x in row)]
+
+        found = numbers(flat)
+        rows = [found[2 * r + i * r : 2 * r + (i + 1) * r] for i in range(m - 1)]
+        return Mode(found[:r], tuple(rows), found[r : 2 * r])
+
+    @cache
+    def end_rows(j: int) -> tuple[Any, ...]:
+        return numbers(lambda made: [x for row in made.end_rows(j)[0] for x in row])
+
+    @cache
+    def static_rows() -> tuple[Any, ...]:
+        return numbers(
+            lambda made: [
+                x
+                for row, constant in zip(*made.static_end_rows(), strict=True)
+                for x in (*row, constant)
+            ]
+        )
+
+    @cache
+    def coefficients(j: int) -> tuple[Any, ...]:
+        return numbers(
+            lambda made: [
+                made.element(c) for c in made.rates(rope.equation.terms, j, r + 1)
+            ]
+        )
+
+    def static_end_residual(a: Callable[[int], Any]) -> tuple[Any, ...]:
+        table, first = static_rows(), [a(d) for d in range(r)]
+        rows = [table[k * (r + 1) : (k + 1) * (r + 1)] for k in range(n)]
+        return tuple(ring.sum([row[r], _inner(ring, row[:r], first)]) for row in rows)
+
+    def one(pick: Callable[[Enclosed], Any]) -> Any:
+        return numbers(lambda made: [pick(made)])[0]
+
+    return Problem(
+        name=name,
+        ring=ring,
+        contact_order=m,
+        static=cache(lambda d: one(lambda made: made.element(made.static.derivative(d)))),
+        static_reduction=numbers(
+            lambda made: [made.element(x) for x in made.static.reduction]
+        ),
+        mode=mode,
+        drive={j: ring.one for j in first.harmonics},
+        inverse_leading=one(lambda made: made.element(1 / made.static.derivative(m))),
+        equation_residual=lambda j, w: _inner(ring, coefficients(j), w),
+        end_residual=lambda j, w: tuple(
+            _inner(ring, end_rows(j)[k * r : (k + 1) * r], w) for k in range(n)
+        ),
+        end_unit=cache(lambda j: numbers(lambda made: made.end_rows(j)[1])),
+        load=numbers(lambda made: [made.element(x) for x in made.static.load]),
+        static_end_residual=static_end_residual,
+        rest=one(lambda made: made.element(acb(made.static.point))),
+        balls=lambda: _problem(rope, values, at_bits()),
+    )

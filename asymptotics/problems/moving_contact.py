@@ -1,0 +1,232 @@
+r"""The reader's own rope: a linear equation, a driven end, a contact, a ground.
+
+    >>> import sympy as sp
+    >>> from asymptotics import expand
+    >>> from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
+    >>> kappa = sp.Symbol("kappa")
+    >>> rope = moving_contact(
+    ...     equation=sp.Eq(W.diff(tau, 2), W.diff(xi, 2) - 2 - kappa * W),
+    ...     driven_end=[sp.Eq(W, 1 + epsilon * sp.cos(Omega * tau))],
+    ...     contact=[W, W.diff(xi)],
+    ... )
+    >>> series = expand(rope, 2, at={kappa: 1.7, Omega: 2.2})
+    >>> {j: round(2 * c, 12) for j, c in series.contact(1).items()}
+    {1: 0.890012519029}
+
+What is written is read by :mod:`asymptotics.problems.equation`; at values of its parameters it
+becomes a :class:`~asymptotics.problems.problem.Problem`: every derivative at the static contact
+point follows from matrices (:mod:`asymptotics.problems.fundamental`). A ground g(ξ), a polynomial,
+is taken off: all that the problem says is of W − g.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, Literal
+
+import sympy
+
+from asymptotics.errors import InputError
+from asymptotics.problems.equation import (
+    EndCondition,
+    Letters,
+    Linear,
+    contact_order,
+    derivative,
+    end_condition,
+    equation as read_equation,
+    letters,
+)
+from asymptotics.problems.problem import Problem
+from asymptotics.rings.balls import rational
+
+Arithmetic = Literal["doubles", "balls"]
+
+
+@dataclass(frozen=True, eq=False)
+class MovingContact:
+    """A rope as it was written down; made by :func:`moving_contact`.
+
+    Attributes
+    ----------
+    equation
+        Of W − g: the coefficients c_{kl} and the load ℓ(ξ).
+    driven_end
+        The r − m + 1 conditions, of W − g.
+    contact_order
+        m.
+    ground
+        g(ξ).
+    letters
+        What its symbols stand for.
+    """
+
+    equation: Linear
+    driven_end: tuple[EndCondition, ...]
+    contact_order: int
+    ground: sympy.Expr
+    letters: Letters
+
+    @property
+    def order(self) -> int:
+        """r, the equation's order in ξ."""
+        return self.equation.order
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names that need a value, Ω the last."""
+        known, names = self.letters, set()
+        for expression in self._expressions():
+            names |= {symbol.name for symbol in expression.free_symbols}
+        reserved = {known.xi.name, known.tau.name, "epsilon", "Omega"}
+        return (*sorted(names - reserved), "Omega")
+
+    def _expressions(self) -> list[sympy.Expr]:
+        found = [*self.equation.terms.values(), self.equation.right, self.ground]
+        for condition in self.driven_end:
+            found += [*condition.terms.values(), condition.constant, *condition.drive.values()]
+        return found
+
+    def values(self, at: Mapping[Any, Any] | None) -> dict[str, Fraction]:
+        """Name ↦ value, exactly: a double is the binary fraction that it stands for.
+
+        Raises
+        ------
+        InputError
+            A parameter without a value, a value without a parameter, no number, or Ω ≤ 0.
+        """
+        given = {str(getattr(key, "name", key)): value for key, value in (at or {}).items()}
+        names = self.parameters
+        missing = [name for name in names if name not in given]
+        extra = [name for name in given if name not in names]
+        if missing or extra:
+            what = [f"{name} has no value" for name in missing]
+            what += [f"{name} is no parameter" for name in extra]
+            listed = ", ".join(f"{name}: …" for name in names)
+            raise InputError(f"{'; '.join(what)}; give at={{{listed}}}")
+        found = {}
+        for name in names:
+            value = given[name]
+            if isinstance(value, sympy.Rational):
+                value = Fraction(int(value.p), int(value.q))
+            number = rational(value)
+            if number is None:
+                raise InputError(
+                    f"{name} = {given[name]!r} is not a finite number; give a number, or a decimal "
+                    "in a string"
+                )
+            found[name] = number
+        if found["Omega"] <= 0:
+            raise InputError(f"Omega = {given['Omega']!r}; it must be positive")
+        return found
+
+    def at(self, at: Mapping[Any, Any] | None, arithmetic: Arithmetic = "doubles") -> Problem[Any]:
+        """The problem at values of its parameters.
+
+        Parameters
+        ----------
+        at
+            Symbol or name ↦ number; decimals in strings and fractions are exact.
+        arithmetic
+            ``doubles``, expanded over balls and rounded, all digits right; or ``balls`` in the
+            precision of the moment.
+
+        Raises
+        ------
+        InputError
+            Values that are missing or bad; no static shape, or one that is not above the ground; a
+            ground that would have to pull; a leading coefficient that vanishes at a harmonic.
+        PrecisionError
+            Ω is at a resonance, or so close that 8192 bits do not tell.
+        """
+        from asymptotics.problems.contact_problem import enclosed_problem, rounded_problem
+
+        values = tuple(sorted(self.values(at).items()))
+        if arithmetic == "balls":
+            return enclosed_problem(self, values)
+        if arithmetic != "doubles":
+            raise InputError(f"arithmetic = {arithmetic!r}; choose doubles or balls")
+        return rounded_problem(self, values)
+
+    def __str__(self) -> str:
+        terms = [f"{value}*{derivative(k, l)}" for (k, l), value in self.equation.terms.items()]
+        return f"{' + '.join(terms)} = {self.equation.right}"
+
+
+def moving_contact(
+    *,
+    equation: Any,
+    driven_end: Sequence[Any],
+    contact: Sequence[Any],
+    ground: Any = 0,
+) -> MovingContact:
+    r"""A rope on a ground, from its equations.
+
+    Parameters
+    ----------
+    equation
+        Σ c_{kl} ∂_ξ^k ∂_τ^l W = ℓ, an ``Eq`` in W(ξ, τ), of order r ≤ 8 in ξ; constants and
+        parameters as coefficients.
+    driven_end
+        r − m + 1 conditions at ξ = 0, ``Eq`` of derivatives below r in ξ; one or more with
+        ε times a finite sum of cos(nΩτ + φ) on the right.
+    contact
+        The m things that equal the ground's at the contact point: W, W_ξ, …, without a gap.
+    ground
+        g(ξ), a polynomial; 0 by default.
+
+    Raises
+    ------
+    InputError
+        What is not well posed or not of this form: the error says which term.
+    """
+    statements = [equation, *driven_end, *contact]
+    known = letters(statements)
+    lifted = read_equation(equation, known)
+    m = contact_order(contact, known, lifted.order)
+    wanted = lifted.order - m + 1
+    if len(driven_end) != wanted:
+        raise InputError(
+            f"driven end: {len(driven_end)} conditions; an equation of order r = {lifted.order} in "
+            f"{known.xi} with m = {m} contact conditions needs r - m + 1 = {wanted}"
+        )
+    conditions = [end_condition(statement, known, lifted.order) for statement in driven_end]
+    if not any(condition.drive for condition in conditions):
+        raise InputError(
+            "driven end: no condition is driven; put epsilon*cos(Omega*tau), or another finite "
+            "Fourier sum, on the right of one"
+        )
+    height = sympy.sympify(ground)
+    polynomial = height.is_polynomial(known.xi) and not height.has(known.tau, known.epsilon)
+    if not polynomial:
+        raise InputError(f"ground: {ground} is not a polynomial in {known.xi}")
+    return _over(lifted, tuple(conditions), m, sympy.expand(height), known)
+
+
+def _over(
+    lifted: Linear,
+    conditions: tuple[EndCondition, ...],
+    m: int,
+    ground: sympy.Expr,
+    known: Letters,
+) -> MovingContact:
+    """The same for W − g, which vanishes at the contact point."""
+
+    def applied(terms: Mapping[tuple[int, int], sympy.Expr]) -> sympy.Expr:
+        return sympy.Add(
+            *(value * ground.diff(known.xi, k) for (k, l), value in terms.items() if not l)
+        )
+
+    load = sympy.expand(lifted.right - applied(lifted.terms))
+    if not load.is_polynomial(known.xi):
+        raise InputError(f"equation: the load {load} is not a polynomial in {known.xi}")
+    ends = tuple(
+        replace(
+            condition,
+            constant=condition.constant - applied(condition.terms).subs(known.xi, 0),
+        )
+        for condition in conditions
+    )
+    return MovingContact(Linear(lifted.terms, load), ends, m, ground, known)

@@ -1,0 +1,309 @@
+r"""The static shape of a reader's rope: where it meets the ground, and whether it may.
+
+In W − g the rope at rest has y(ξ₀) = (0, …, 0, a_m, …, a_{r−1}). With Y = e^{−Aξ₀}, the load in the
+matrix, the n conditions at the driven end are linear in the n − 1 numbers a_m, …, so that one
+scalar equation is left for ξ₀:
+
+.. math:: F(ξ_0) = \det\,[\,M_{\cdot m}\; …\; M_{\cdot, r−1} \;|\; E p(ξ_0) − d\,] = 0
+
+with p the part of y(0) that is due to the load alone. Of its zeros the smallest with a shape above
+the ground is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from itertools import combinations
+
+import numpy as np
+import sympy
+from flint import acb, acb_mat, arb, ctx
+
+from asymptotics.errors import InputError
+from asymptotics.problems.enclosed_expressions import enclose
+from asymptotics.problems.fundamental import Propagator, magnitude, product, solve
+from asymptotics.problems.moving_contact import MovingContact
+from asymptotics.rings.precision import PrecisionError, at_precision
+
+# Where zeros are looked for, in units of x₀: a rope that is lifted over less or more of it has its
+# lengths measured in the wrong unit.
+NEAREST, FARTHEST = 1e-3, 1e3
+_SCAN = 400
+_SAMPLES = 200
+_MOST_BITS = 1 << 13
+
+
+@dataclass(frozen=True)
+class StaticData:
+    """The static shape at one precision.
+
+    Attributes
+    ----------
+    point
+        ξ₀.
+    propagator
+        Of the equation at rest, with its load.
+    load
+        ℓ, ℓ′, … at ξ₀.
+    first
+        a_0 … a_{r−1}.
+    constants
+        d of each condition.
+    reduction
+        ∂^R on the static shape in terms of lower derivatives.
+    """
+
+    point: arb
+    propagator: Propagator
+    load: tuple[acb, ...]
+    first: tuple[acb, ...]
+    constants: tuple[acb, ...]
+    reduction: tuple[acb, ...]
+
+    def derivative(self, d: int) -> acb:
+        """a_d, from ℓ and the equation differentiated."""
+        tower, c = list(self.first), self.propagator.coefficients
+        r = len(c) - 1
+        while len(tower) <= d:
+            q = len(tower) - r
+            load = self.load[q] if q < len(self.load) else acb(0)
+            below = sum((c[k] * tower[k + q] for k in range(r)), acb(0))
+            tower.append((load - below) / c[r])
+        return tower[d]
+
+
+class _Rest:
+    """The equation at rest, in the precision of the moment."""
+
+    def __init__(self, rope: MovingContact, values: Mapping[str, Fraction]) -> None:
+        self.rope, self.values, self.r, self.m = rope, values, rope.order, rope.contact_order
+        self.coefficients = [acb(0)] * (self.r + 1)
+        for (k, l), value in rope.equation.terms.items():  # noqa: E741
+            if l == 0:
+                self.coefficients[k] = self.coefficients[k] + enclose(value, values)
+        self.rows = [
+            [
+                sum(
+                    (enclose(v, values) for (k, l), v in c.terms.items() if (k, l) == (i, 0)),
+                    acb(0),
+                )
+                for i in range(self.r)
+            ]
+            for c in rope.driven_end
+        ]
+        self.constants = tuple(enclose(c.constant, values) for c in rope.driven_end)
+        xi = rope.letters.xi
+        powers = sympy.Poly(rope.equation.right, xi).all_coeffs()[::-1]
+        self.load = [enclose(x, values) for x in powers]
+
+    def loads(self, point: arb) -> tuple[acb, ...]:
+        """ℓ, ℓ′, … at a place."""
+        found, current = [], list(self.load)
+        while current:
+            value = acb(0)
+            for x in reversed(current):
+                value = value * acb(point) + x
+            found.append(value)
+            current = [k * x for k, x in enumerate(current)][1:]
+        return tuple(found)
+
+    def propagator(self, point: arb) -> Propagator:
+        return Propagator(tuple(self.coefficients), self.loads(point))
+
+    def system(self, point: arb) -> tuple[list[list[acb]], list[acb]]:
+        """Columns M_m … M_{r−1}, and E p − d."""
+        equation = self.propagator(point)
+        table = product(self.rows, equation.backwards(point))
+        left = []
+        for row, constant in zip(table, self.constants, strict=True):
+            terms = [row[self.r + p] * x for p, x in enumerate(equation.load)]
+            left.append(sum(terms, -constant))
+        return [row[self.m : self.r] for row in table], left
+
+    def height(self, point: arb) -> arb:
+        """F(ξ₀), real, scaled by a positive factor."""
+        columns, left = self.system(point)
+        rows = []
+        for row, x in zip(columns, left, strict=True):
+            size = max((abs(y).upper() for y in row), key=magnitude, default=arb(0))
+            size = size if size > 0 else arb(1)
+            rows.append([*(y / acb(size.mid()) for y in row), x / acb(size.mid())])
+        return acb_mat(rows).det().real
+
+    def shape(self, point: arb) -> list[acb]:
+        """a_m … a_{r−1}, from the n − 1 conditions that tell them best."""
+        columns, left = self.system(point)
+        n = len(left)
+        failed: PrecisionError | None = None
+        for chosen in combinations(range(n - 1, -1, -1), n - 1):
+            try:
+                return solve(
+                    [columns[i] for i in chosen], [-left[i] for i in chosen], "the static shape"
+                )
+            except PrecisionError as error:
+                failed = error
+        raise failed if failed else PrecisionError("the static shape", None)
+
+
+@lru_cache(maxsize=256)
+def bracket(
+    rope: MovingContact, values: tuple[tuple[str, Fraction], ...]
+) -> tuple[float, float]:
+    """Two places around ξ₀: the smallest zero of F with a shape above the ground.
+
+    Raises
+    ------
+    InputError
+        There is none, with what was wrong with the zeros that there are; or a ground that would
+        have to pull.
+    """
+    given, why, bits = dict(values), [], 64
+    places = np.geomspace(NEAREST, FARTHEST, _SCAN).tolist()
+    before: tuple[float, bool] | None = None
+    for place in places:
+        try:
+            sign, bits = _sign(rope, given, place, bits)
+        except PrecisionError:
+            why.append(f"beyond xi = {place:.3g} layers are too thin to look")
+            break
+        if before is not None and before[1] != sign:
+            wrong = _inadmissible(rope, given, (before[0], place), bits)
+            if wrong is None:
+                _check_reaction(rope, given, before[0])
+                return before[0], place
+            why.append(wrong)
+        before = place, sign
+    raise InputError(
+        f"there is no static shape above the ground with {NEAREST} < xi_0 < {FARTHEST}"
+        + (": " + "; ".join(why) if why else "; look at the load and at the driven end's constant")
+    )
+
+
+def _sign(
+    rope: MovingContact, values: Mapping[str, Fraction], place: float, bits: int
+) -> tuple[bool, int]:
+    """Whether F > 0 at a place, and the bits that it took."""
+    while bits <= _MOST_BITS:
+        with at_precision(bits):
+            value = _Rest(rope, values).height(arb(place))
+            if value > 0 or value < 0:
+                return bool(value > 0), bits
+        bits *= 2
+    raise PrecisionError("the sign", None)
+
+
+def _inadmissible(
+    rope: MovingContact, values: Mapping[str, Fraction], ends: tuple[float, float], bits: int
+) -> str | None:
+    """Why the zero of F between two places is no rope on a ground; None if it is."""
+    while bits <= 2 * _MOST_BITS:
+        bits *= 2
+        with at_precision(bits):
+            try:
+                rest = _Rest(rope, values)
+                point = enclosed_root(rest.height, *ends)
+                heights = _heights(rest, point)
+            except PrecisionError:
+                continue
+            below = [i for i, height in enumerate(heights) if height < 0]
+            if below:
+                place = float(point) * (1 - (below[0] + 1) / _SAMPLES)
+                return (
+                    f"the shape that meets the ground at xi = {float(point):.6g} is below it at "
+                    f"xi = {place:.3g}"
+                )
+            if all(height > 0 for height in heights[:-1]):
+                return None
+    return f"the shape that meets the ground near xi = {ends[0]:.6g} lies on it"
+
+
+def _heights(rest: _Rest, point: arb) -> list[arb]:
+    """W₀ − g at equal steps from next to the contact point to the driven end."""
+    equation = rest.propagator(point)
+    first = [*[acb(0)] * rest.m, *rest.shape(point)]
+    state = acb_mat([[x] for x in (*first, *equation.load)])
+    step = equation.backwards(point / _SAMPLES)
+    found = []
+    for _ in range(_SAMPLES):
+        state = step * state
+        found.append(state[0, 0].real)
+    return found
+
+
+def _check_reaction(
+    rope: MovingContact, values: Mapping[str, Fraction], contact: float
+) -> None:
+    """The ground must not pull where the rope lies: what carries the load there is ≥ 0."""
+    inertia = rope.equation.terms.get((0, 2))
+    if inertia is None:
+        return  # nothing says which way the equation's right-hand side pushes
+    with at_precision(64):
+        sign = 1.0 if enclose(inertia, values).real > 0 else -1.0
+        load = [-sign * float(x.real.mid()) for x in _Rest(rope, values).load]
+    reaction = np.polynomial.Polynomial(load)
+    turning = [x.real for x in reaction.roots() if abs(x.imag) < 1e-12 and x.real > contact]
+    ends = [contact, *sorted(turning)]
+    places = [(a + b) / 2 for a, b in zip(ends, [*ends[1:], 2 * ends[-1] + 1], strict=True)]
+    worst = min([contact, *places], key=reaction)
+    if reaction(worst) < 0:
+        raise InputError(
+            f"the ground would have to pull at xi = {worst:.4g}, where the rope lies on it: its "
+            f"reaction there is {reaction(worst):.3g}; let the ground fall less, or the load be "
+            "larger"
+        )
+
+
+def check_static_shape(rope: MovingContact, values: Mapping[str, Fraction]) -> None:
+    """Raise what :func:`bracket` raises."""
+    bracket(rope, tuple(sorted(values.items())))
+
+
+def static_data(rope: MovingContact, values: Mapping[str, Fraction]) -> StaticData:
+    """The static shape in the precision of the moment."""
+    rest = _Rest(rope, values)
+    lower, upper = bracket(rope, tuple(sorted(values.items())))
+    point = enclosed_root(rest.height, lower, upper)
+    equation = rest.propagator(point)
+    load = equation.load or (acb(0),)
+    r, c = rest.r, rest.coefficients
+    p = len(load)
+    reduction = [acb(0)] * (r + p)
+    for k in range(r):
+        reduction[k + p] = -c[k] / c[r]
+    first = (*[acb(0)] * rest.m, *rest.shape(point))
+    return StaticData(point, equation, load, first, rest.constants, tuple(reduction))
+
+
+def enclosed_root(function: Callable[[arb], arb], lower: float, upper: float) -> arb:
+    """A ball around the simple zero between two places where the function's signs differ."""
+    low, high = arb(lower), arb(upper)
+    rising = bool(function(high) > 0)
+    x, before = (low + high) / 2, low
+    f_before = function(before)
+    for _ in range(200):
+        x = x.mid()
+        value = function(x)
+        slope = (value - f_before).mid() / (x - before).mid()
+        before, f_before = x, value
+        step = (value.mid() / slope).mid() if slope != 0 else arb(0)
+        new = (x - step).mid()
+        if value > 0 or value < 0:
+            if bool(value > 0) == rising:
+                high = x
+            else:
+                low = x
+        if not (new > low and new < high):
+            new = ((low + high) / 2).mid()
+        if not abs(new - x) > x * arb(2) ** (4 - ctx.prec):
+            x = new
+            break
+        x = new
+    for bits in range(4, ctx.prec, 4):
+        radius = abs(x) * arb(2) ** (bits - ctx.prec)
+        left, right = function(x - radius), function(x + radius)
+        if (left < 0 and right > 0) or (left > 0 and right < 0):
+            return arb(x, radius)
+    raise PrecisionError(f"{ctx.prec} bits are too few to enclose the static contact point", x)
