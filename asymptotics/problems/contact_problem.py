@@ -15,14 +15,12 @@ from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.fundamental import Propagator, product, solve
 from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.problems.problem import Mode, Problem
-from asymptotics.problems.static_contact import check_static_shape, enclosed_root, static_data
+from asymptotics.problems.static_contact import Values, check_static_shape, static_data
 from asymptotics.rings.balls import AcbRing, ArbRing
 from asymptotics.rings.pickling import remembering
 from asymptotics.rings.precision import PrecisionError, at_precision, until
 from asymptotics.rings.ring import ComplexRing, FloatRing
 from asymptotics.rings.rounding import accurate, to_double
-
-Values = tuple[tuple[str, Fraction], ...]
 
 
 class Enclosed:
@@ -52,11 +50,11 @@ class Enclosed:
         """Whether state and coefficients are real: no odd ∂_τ, cosines only."""
         rope = self.rope
         statements = [rope.equation.terms, *(condition.terms for condition in rope.driven_end)]
-        odd = any(l % 2 for terms in statements for _, l in terms)
+        odd = any(t % 2 for terms in statements for _, t in terms)
         return not odd and all(x.imag.contains(0) for row in self.drive for x in row.values())
 
     def rates(self, terms: Any, j: int, length: int) -> list[acb]:
-        """Σ_l c_{kl} (ijΩ)^l for k = 0 … length − 1."""
+        """Σ_t c_{kt} (ijΩ)^t for k = 0 … length − 1."""
         found = [acb(0)] * length
         rate = acb(0, 1) * j * self.omega
         for (k, power), value in terms.items():
@@ -162,7 +160,9 @@ class Enclosed:
 
 def _named(rope: MovingContact, values: Values, kind: str) -> str:
     spelled = ", ".join(f"{name} = {_spelled(value)}" for name, value in values)
-    ends = "; ".join(str(dict(condition.terms)) + str(dict(condition.drive)) for condition in rope.driven_end)
+    ends = "; ".join(
+        str(dict(condition.terms)) + str(dict(condition.drive)) for condition in rope.driven_end
+    )
     return f"rope {rope} with {ends} at {spelled}{kind}"
 
 
@@ -199,7 +199,7 @@ def _problem(rope: MovingContact, values: Values, made: Enclosed) -> Problem[Any
         static=cache(lambda d: made.element(static.derivative(d))),
         static_reduction=tuple(map(made.element, static.reduction)),
         mode=made.mode,
-        drive={j: ring.one for j in made.harmonics},
+        drive=dict.fromkeys(made.harmonics, ring.one),
         inverse_leading=made.element(1 / static.derivative(made.m)),
         equation_residual=made.equation_residual,
         end_residual=end_residual,
@@ -267,9 +267,7 @@ def rounded_problem(rope: MovingContact, values: Values) -> Problem[Any]:
     @cache
     def coefficients(j: int) -> tuple[Any, ...]:
         return numbers(
-            lambda made: [
-                made.element(c) for c in made.rates(rope.equation.terms, j, r + 1)
-            ]
+            lambda made: [made.element(c) for c in made.rates(rope.equation.terms, j, r + 1)]
         )
 
     def static_end_residual(a: Callable[[int], Any]) -> tuple[Any, ...]:
@@ -285,11 +283,9 @@ def rounded_problem(rope: MovingContact, values: Values) -> Problem[Any]:
         ring=ring,
         contact_order=m,
         static=cache(lambda d: one(lambda made: made.element(made.static.derivative(d)))),
-        static_reduction=numbers(
-            lambda made: [made.element(x) for x in made.static.reduction]
-        ),
+        static_reduction=numbers(lambda made: [made.element(x) for x in made.static.reduction]),
         mode=mode,
-        drive={j: ring.one for j in first.harmonics},
+        drive=dict.fromkeys(first.harmonics, ring.one),
         inverse_leading=one(lambda made: made.element(1 / made.static.derivative(m))),
         equation_residual=lambda j, w: _inner(ring, coefficients(j), w),
         end_residual=lambda j, w: tuple(

@@ -50,9 +50,9 @@ def enclose(expression: sympy.Expr, values: Mapping[str, Fraction]) -> acb:
         return acb(-size if sign else size)
     if isinstance(expression, sympy.Rational):
         return _of_fraction(Fraction(int(expression.p), int(expression.q)))
-    constant = {sympy.pi: arb.pi(), sympy.E: arb(1).exp(), sympy.I: acb(0, 1)}.get(expression)
-    if constant is not None:
-        return acb(constant)
+    constants = {sympy.pi: acb(arb.pi()), sympy.E: acb(1).exp(), sympy.I: acb(0, 1)}
+    if expression in constants:
+        return constants[expression]
     inside = [enclose(argument, values) for argument in expression.args]
     if isinstance(expression, sympy.Add):
         return sum(inside, acb(0))

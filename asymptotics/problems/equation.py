@@ -23,12 +23,12 @@ from asymptotics.errors import InputError
 LARGEST_ORDER = 8
 
 Powers = Mapping[tuple[int, int], sympy.Expr]
-"""(k, l) ↦ the coefficient of ∂_ξ^k ∂_τ^l W."""
+"""(k, t) ↦ the coefficient of ∂_ξ^k ∂_τ^t W."""
 
 
 @dataclass(frozen=True)
 class Linear:
-    """One linear statement Σ c_{kl} ∂_ξ^k ∂_τ^l W = right."""
+    """One linear statement Σ c_{kt} ∂_ξ^k ∂_τ^t W = right."""
 
     terms: Powers
     right: sympy.Expr
@@ -46,7 +46,7 @@ class EndCondition:
     Attributes
     ----------
     terms
-        (k, l) ↦ e_{kl}.
+        (k, t) ↦ e_{kt}.
     constant
         d.
     drive
@@ -185,11 +185,11 @@ def equation(statement: Any, known: Letters) -> Linear:
         It is not; no derivative in ξ; or more than :data:`LARGEST_ORDER` of them.
     """
     found = linear(statement, known, "equation")
-    for (k, l), value in found.terms.items():  # noqa: E741
+    for (k, t), value in found.terms.items():
         for letter in (known.xi, known.tau):
             if value.has(letter):
                 raise InputError(
-                    f"equation: the coefficient {value} of {derivative(k, l)} depends on {letter}; "
+                    f"equation: the coefficient {value} of {derivative(k, t)} depends on {letter}; "
                     "coefficients have to be constants"
                 )
     if found.right.has(known.tau):
@@ -284,32 +284,43 @@ def fourier(function: sympy.Expr, known: Letters) -> dict[int, sympy.Expr]:
     exponentials = sympy.expand(function.rewrite(sympy.exp))
     amplitudes: dict[int, sympy.Expr] = {}
     for term in sympy.Add.make_args(exponentials):
-        amplitude, exponent = sympy.S.One, sympy.S.Zero
-        for factor in sympy.Mul.make_args(term):
-            base, power = factor.as_base_exp()
-            if not factor.has(known.tau):
-                amplitude *= factor
-            elif isinstance(factor, sympy.exp) or base == sympy.E:
-                exponent += factor.exp
-            elif isinstance(base, sympy.exp) and power.is_Integer:
-                exponent += base.exp * power
-            else:
-                exponent = sympy.nan
-        rate = sympy.simplify(sympy.diff(sympy.expand(exponent), known.tau) / (sympy.I * Omega))
-        if not rate.is_Integer:
+        found = _harmonic(term, known.tau, Omega)
+        if found is None:
             raise InputError(
                 f"driven end: {function} is not a finite sum of cos(n Omega tau + phi), n whole; "
                 "a periodic drive of another form has to be expanded first"
             )
-        amplitude *= sympy.exp(sympy.expand(exponent).subs(known.tau, 0))
-        amplitudes[int(rate)] = amplitudes.get(int(rate), sympy.S.Zero) + amplitude
+        n, amplitude = found
+        amplitudes[n] = amplitudes.get(n, sympy.S.Zero) + amplitude
     return {n: value for n, value in sorted(amplitudes.items()) if value != 0}
 
 
-def derivative(k: int, l: int) -> str:  # noqa: E741
-    """∂_ξ^k ∂_τ^l W as a problem file spells it.
+def _harmonic(
+    term: sympy.Expr, tau: sympy.Symbol, Omega: sympy.Symbol
+) -> tuple[int, sympy.Expr] | None:
+    """(n, amplitude) of one term amplitude · e^{inΩτ}, or None."""
+    amplitude, exponent = sympy.S.One, sympy.S.Zero
+    for factor in sympy.Mul.make_args(term):
+        if not factor.has(tau):
+            amplitude *= factor
+            continue
+        base, power = factor, sympy.S.One
+        if isinstance(factor, sympy.Pow) and factor.exp.is_Integer:
+            base, power = factor.args
+        if not isinstance(base, sympy.exp):
+            return None
+        exponent += base.exp * power
+    exponent = sympy.expand(exponent)
+    rate = sympy.simplify(sympy.diff(exponent, tau) / (sympy.I * Omega))
+    if not rate.is_Integer:
+        return None
+    return int(rate), amplitude * sympy.exp(exponent.subs(tau, 0))
+
+
+def derivative(k: int, t: int) -> str:
+    """∂_ξ^k ∂_τ^t W as a problem file spells it.
 
     >>> derivative(2, 1), derivative(0, 0)
     ('W_xixitau', 'W')
     """
-    return "W" + ("_" if k or l else "") + "xi" * k + "tau" * l
+    return "W" + ("_" if k or t else "") + "xi" * k + "tau" * t

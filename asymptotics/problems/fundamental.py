@@ -77,9 +77,7 @@ class Propagator:
         while size > 0.5:
             size, halvings = size / 2, halvings + 1
         step = step * acb(arb(2) ** -halvings)
-        unit = acb_mat(
-            [[acb(i == k) for k in range(step.ncols())] for i in range(step.nrows())]
-        )
+        unit = acb_mat([[acb(i == k) for k in range(step.ncols())] for i in range(step.nrows())])
         total, term, n = unit, unit, 0
         while n == 0 or _largest(term) > arb(2) ** (-ctx.prec - 2 * halvings):
             n += 1

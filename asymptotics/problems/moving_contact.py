@@ -36,8 +36,10 @@ from asymptotics.problems.equation import (
     contact_order,
     derivative,
     end_condition,
-    equation as read_equation,
     letters,
+)
+from asymptotics.problems.equation import (
+    equation as read_equation,
 )
 from asymptotics.problems.problem import Problem
 from asymptotics.rings.balls import rational
@@ -52,7 +54,7 @@ class MovingContact:
     Attributes
     ----------
     equation
-        Of W − g: the coefficients c_{kl} and the load ℓ(ξ).
+        Of W − g: the coefficients c_{kt} and the load ℓ(ξ).
     driven_end
         The r − m + 1 conditions, of W − g.
     contact_order
@@ -151,8 +153,15 @@ class MovingContact:
         return rounded_problem(self, values)
 
     def __str__(self) -> str:
-        terms = [f"{value}*{derivative(k, l)}" for (k, l), value in self.equation.terms.items()]
-        return f"{' + '.join(terms)} = {self.equation.right}"
+        ends = [
+            f"{_sum(c.terms)} = {c.constant}" + (f" + epsilon*{dict(c.drive)}" if c.drive else "")
+            for c in self.driven_end
+        ]
+        return f"rope {_sum(self.equation.terms)} = {self.equation.right}, {', '.join(ends)}"
+
+
+def _sum(terms: Mapping[tuple[int, int], sympy.Expr]) -> str:
+    return " + ".join(f"{value}*{derivative(k, t)}" for (k, t), value in terms.items())
 
 
 def moving_contact(
@@ -167,7 +176,7 @@ def moving_contact(
     Parameters
     ----------
     equation
-        Σ c_{kl} ∂_ξ^k ∂_τ^l W = ℓ, an ``Eq`` in W(ξ, τ), of order r ≤ 8 in ξ; constants and
+        Σ c_{kt} ∂_ξ^k ∂_τ^t W = ℓ, an ``Eq`` in W(ξ, τ), of order r ≤ 8 in ξ; constants and
         parameters as coefficients.
     driven_end
         r − m + 1 conditions at ξ = 0, ``Eq`` of derivatives below r in ξ; one or more with
@@ -216,7 +225,7 @@ def _over(
 
     def applied(terms: Mapping[tuple[int, int], sympy.Expr]) -> sympy.Expr:
         return sympy.Add(
-            *(value * ground.diff(known.xi, k) for (k, l), value in terms.items() if not l)
+            *(value * ground.diff(known.xi, k) for (k, t), value in terms.items() if not t)
         )
 
     load = sympy.expand(lifted.right - applied(lifted.terms))

@@ -36,6 +36,9 @@ _SAMPLES = 200
 _MOST_BITS = 1 << 13
 
 
+Values = tuple[tuple[str, Fraction], ...]
+
+
 @dataclass(frozen=True)
 class StaticData:
     """The static shape at one precision.
@@ -81,13 +84,13 @@ class _Rest:
     def __init__(self, rope: MovingContact, values: Mapping[str, Fraction]) -> None:
         self.rope, self.values, self.r, self.m = rope, values, rope.order, rope.contact_order
         self.coefficients = [acb(0)] * (self.r + 1)
-        for (k, l), value in rope.equation.terms.items():  # noqa: E741
-            if l == 0:
+        for (k, t), value in rope.equation.terms.items():
+            if t == 0:
                 self.coefficients[k] = self.coefficients[k] + enclose(value, values)
         self.rows = [
             [
                 sum(
-                    (enclose(v, values) for (k, l), v in c.terms.items() if (k, l) == (i, 0)),
+                    (enclose(v, values) for (k, t), v in c.terms.items() if (k, t) == (i, 0)),
                     acb(0),
                 )
                 for i in range(self.r)
@@ -149,9 +152,7 @@ class _Rest:
 
 
 @lru_cache(maxsize=256)
-def bracket(
-    rope: MovingContact, values: tuple[tuple[str, Fraction], ...]
-) -> tuple[float, float]:
+def bracket(rope: MovingContact, values: Values) -> tuple[float, float]:
     """Two places around ξ₀: the smallest zero of F with a shape above the ground.
 
     Raises
@@ -233,9 +234,7 @@ def _heights(rest: _Rest, point: arb) -> list[arb]:
     return found
 
 
-def _check_reaction(
-    rope: MovingContact, values: Mapping[str, Fraction], contact: float
-) -> None:
+def _check_reaction(rope: MovingContact, values: Mapping[str, Fraction], contact: float) -> None:
     """The ground must not pull where the rope lies: what carries the load there is ≥ 0."""
     inertia = rope.equation.terms.get((0, 2))
     if inertia is None:
@@ -243,10 +242,14 @@ def _check_reaction(
     with at_precision(64):
         sign = 1.0 if enclose(inertia, values).real > 0 else -1.0
         load = [-sign * float(x.real.mid()) for x in _Rest(rope, values).load]
-    reaction = np.polynomial.Polynomial(load)
-    turning = [x.real for x in reaction.roots() if abs(x.imag) < 1e-12 and x.real > contact]
-    ends = [contact, *sorted(turning)]
-    places = [(a + b) / 2 for a, b in zip(ends, [*ends[1:], 2 * ends[-1] + 1], strict=True)]
+    roots = np.roots(load[::-1])
+    turning = sorted(float(x.real) for x in roots if abs(x.imag) < 1e-12 and x.real > contact)
+    ends = [contact, *turning]
+    places = [(a + b) / 2 for a, b in zip(ends, [*turning, 2 * ends[-1] + 1], strict=True)]
+
+    def reaction(place: float) -> float:
+        return float(np.polyval(load[::-1], place))
+
     worst = min([contact, *places], key=reaction)
     if reaction(worst) < 0:
         raise InputError(
@@ -256,15 +259,41 @@ def _check_reaction(
         )
 
 
+def at_rest(rope: MovingContact, values: Mapping[str, Fraction]) -> Values:
+    """The parameters that the static shape depends on."""
+    names: set[str] = set()
+    expressions = [value for (_, t), value in rope.equation.terms.items() if not t]
+    expressions.append(rope.equation.right)
+    for condition in rope.driven_end:
+        expressions += [value for (_, t), value in condition.terms.items() if not t]
+        expressions.append(condition.constant)
+    if (0, 2) in rope.equation.terms:
+        expressions.append(rope.equation.terms[0, 2])
+    for expression in expressions:
+        names |= {symbol.name for symbol in expression.free_symbols}
+    return tuple((name, value) for name, value in sorted(values.items()) if name in names)
+
+
 def check_static_shape(rope: MovingContact, values: Mapping[str, Fraction]) -> None:
     """Raise what :func:`bracket` raises."""
-    bracket(rope, tuple(sorted(values.items())))
+    bracket(rope, at_rest(rope, values))
 
 
 def static_data(rope: MovingContact, values: Mapping[str, Fraction]) -> StaticData:
-    """The static shape in the precision of the moment."""
-    rest = _Rest(rope, values)
-    lower, upper = bracket(rope, tuple(sorted(values.items())))
+    """The static shape in the precision of the moment.
+
+    Raises
+    ------
+    PrecisionError
+        Too few bits.
+    """
+    return _static_data(rope, at_rest(rope, values), ctx.prec)
+
+
+@lru_cache(maxsize=256)
+def _static_data(rope: MovingContact, given: Values, bits: int) -> StaticData:
+    rest = _Rest(rope, dict(given))
+    lower, upper = bracket(rope, given)
     point = enclosed_root(rest.height, lower, upper)
     equation = rest.propagator(point)
     load = equation.load or (acb(0),)
@@ -301,9 +330,11 @@ def enclosed_root(function: Callable[[arb], arb], lower: float, upper: float) ->
             x = new
             break
         x = new
-    for bits in range(4, ctx.prec, 4):
+    bits = 4
+    while bits < ctx.prec:
         radius = abs(x) * arb(2) ** (bits - ctx.prec)
         left, right = function(x - radius), function(x + radius)
         if (left < 0 and right > 0) or (left > 0 and right < 0):
             return arb(x, radius)
+        bits += max(4, bits // 4)
     raise PrecisionError(f"{ctx.prec} bits are too few to enclose the static contact point", x)
