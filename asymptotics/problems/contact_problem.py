@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import sympy
@@ -170,14 +170,18 @@ def _spelled(value: Fraction) -> str:
     return repr(float(value)) if Fraction(float(value)) == value else str(value)
 
 
+@lru_cache(maxsize=64)
+def _enclosed(rope: MovingContact, values: Values, bits: int) -> Enclosed:
+    """In the precision of the moment, which is ``bits``."""
+    assert bits == ctx.prec
+    return Enclosed(rope, values)
+
+
 @remembering
 def enclosed_problem(rope: MovingContact, values: Values) -> Problem[Any]:
     """The problem over balls, in the precision of the moment; see :meth:`MovingContact.at`."""
     check_static_shape(rope, dict(values))
-    return _problem(rope, values, Enclosed(rope, values))
-
-
-def _problem(rope: MovingContact, values: Values, made: Enclosed) -> Problem[Any]:
+    made = _enclosed(rope, values, ctx.prec)
     ring, static = made.ring, made.static
 
     def end_residual(j: int, w: Sequence[Any]) -> tuple[Any, ...]:
@@ -218,12 +222,9 @@ def _inner(ring: Any, row: Sequence[Any], w: Sequence[Any]) -> Any:
 def rounded_problem(rope: MovingContact, values: Values) -> Problem[Any]:
     """The problem in doubles, each rounded from balls; its expansion is, too."""
     check_static_shape(rope, dict(values))
-    known: dict[int, Enclosed] = {}
 
     def at_bits() -> Enclosed:
-        if ctx.prec not in known:
-            known[ctx.prec] = Enclosed(rope, values)
-        return known[ctx.prec]
+        return _enclosed(rope, values, ctx.prec)
 
     name = _named(rope, values, "")
 
@@ -295,5 +296,5 @@ def rounded_problem(rope: MovingContact, values: Values) -> Problem[Any]:
         load=numbers(lambda made: [made.element(x) for x in made.static.load]),
         static_end_residual=static_end_residual,
         rest=one(lambda made: made.element(acb(made.static.point))),
-        balls=lambda: _problem(rope, values, at_bits()),
+        balls=lambda: enclosed_problem(rope, values),
     )

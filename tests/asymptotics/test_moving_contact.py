@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from dataclasses import replace
 from typing import Any
 
@@ -187,6 +188,10 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
         {"equation": sp.Eq(WAVE.lhs, WAVE.rhs + sp.Function("V")(xi, tau))},
         "write them for one function",
     ),
+    "imaginary drive": (
+        {"driven_end": [sp.Eq(W, 1 + sp.I * COSINE)]},
+        "the drive is not real",
+    ),
     "ground no polynomial": ({"ground": sp.sin(xi)}, "not a polynomial"),
 }
 
@@ -196,7 +201,7 @@ def test_what_is_not_well_posed_is_refused_with_the_reason(name: str) -> None:
     given_, reason = REFUSED[name]
     whole = {"equation": WAVE, "driven_end": [HELD], "contact": STRING, **given_}
     with pytest.raises(InputError) as caught:
-        moving_contact(**whole)
+        expand(moving_contact(**whole), 1, at={Omega: 2.2})
     assert reason in str(caught.value)
 
 
@@ -220,6 +225,15 @@ def test_values_are_asked_for(at: Any, reason: str) -> None:
 def test_values_for_a_problem_that_has_them_are_refused() -> None:
     with pytest.raises(InputError, match="has its numbers already"):
         expand(float_string(2.2, 2), 2, at={Omega: 2.2})
+
+
+def test_expansions_pickle_and_go_on() -> None:
+    series = expand(foundation(), 2, at={kappa: 1.7, Omega: 2.2})
+    loaded = pickle.loads(pickle.dumps(series))
+    equal(
+        expand(loaded.problem, 3, start=loaded),
+        expand(foundation(), 3, at={kappa: 1.7, Omega: 2.2}),
+    )
 
 
 def test_no_static_shape() -> None:

@@ -39,7 +39,7 @@ class Case(NamedTuple):
     terms: Terms
     ends: list[tuple[Terms, float, Callable[[Any], Any]]]
     load: float = -2.0
-    slope: float = 0.0
+    ground: tuple[float, ...] = (0.0,)  # of ξ, descending
 
 
 B = 0.05
@@ -81,7 +81,19 @@ def cases() -> dict[str, Case]:
         {beta: B, gamma: 0.3},
         ON_BEAM,
         [HELD, ({(1, 0): 1.0}, 0.0, nothing)],
-        slope=0.3,
+        ground=(0.3, 0.0),
+    )
+    found["curved ground"] = Case(
+        moving_contact(
+            equation=sp.Eq(W.diff(tau, 2), W.diff(xi, 2) - 2 - kappa * W),
+            driven_end=[sp.Eq(W, 1 + COSINE)],
+            contact=STRING,
+            ground=gamma * xi**2 + gamma * xi,
+        ),
+        {kappa: 1.7, gamma: 0.1},
+        {(0, 2): 1.0, (2, 0): -1.0, (0, 0): 1.7},
+        [HELD],
+        ground=(0.1, 0.1, 0.0),
     )
     found["rotary inertia"] = Case(
         moving_contact(
@@ -150,7 +162,7 @@ def errors(name: str) -> list[list[float]]:
     rest = float(np.real(series.problem.rest))
 
     def ground(place: Any, k: int) -> Any:
-        return case.slope * (place, np.ones_like(place), 0 * place)[k]
+        return np.polyval(np.polyder(case.ground, k), place) + 0 * place
 
     stated = Stated(case.terms, case.load, case.ends, case.rope.contact_order, OMEGA, rest, ground)
     t = 2 * np.pi / OMEGA * np.arange(TIMES) / TIMES
