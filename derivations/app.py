@@ -7,7 +7,6 @@ they are ours.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn
 
@@ -27,6 +26,18 @@ from derivations.commands.options import (
     OrderOption,
     PlotOption,
     numbers_of,
+)
+from derivations.commands.ropes import (
+    BendingOption,
+    DampingOption,
+    DriveOption,
+    EndOption,
+    ProblemOption,
+    SetOption,
+    asked,
+    derived,
+    evaluated,
+    table,
 )
 from derivations.output import guarded, json_text, note, open_streams, show, wrote
 
@@ -67,17 +78,33 @@ def derive(
         Literal["one", "two"], typer.Option(help="LaTeX lines for a one- or two-column page.")
     ] = "two",
     plot: PlotOption = None,
-    omega: Annotated[float, typer.Option(metavar="Ω", help="Ω of the plot.")] = GOLDEN,
+    omega: Annotated[
+        float, typer.Option(metavar="Ω", help="Ω of the plot, and of a rope in numbers.")
+    ] = GOLDEN,
     epsilon: Annotated[float, typer.Option(metavar="ε", help="ε of the plot.")] = 0.1,
     cache: Annotated[bool, typer.Option(help="Keep and reuse derivations.")] = True,
+    problem: ProblemOption = None,
+    values: SetOption = None,
+    beta: BendingOption = None,
+    driven_end: EndOption = None,
+    damping: DampingOption = None,
+    drive: DriveOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas."""
+    """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas.
+
+    With --problem, --beta, --damping or --drive: the expansion of that rope at one Ω, in numbers.
+    """
     from derivations.files import check_folder
-    from derivations.progress import progress
+    from derivations.progress import progress, share_of_orders
     from derivations.reports.formats import as_json as json_object
     from derivations.reports.formats import render, write_files
 
+    rope = asked(problem, values, beta, driven_end, damping, drive)
+    if rope is not None:
+        _refuse_formulas(format, out, plot)
+        show(*derived(rope, omega, order, as_json), as_json)
+        return
     formats = _formats(format, out, order)
     written: list[Path] = []
     if out is not None:
@@ -86,7 +113,7 @@ def derive(
         from derivations.figures.plots import plot_period
 
         with progress("drawing", 1.0, quiet=as_json, fine=True) as report:
-            plot_period(omega, epsilon, order, plot, _share_of_orders(report, order))
+            plot_period(omega, epsilon, order, plot, share_of_orders(report, order))
         written.append(plot)
     forms, proofs = _derivation(order, style, cache, quiet=as_json)
     text: dict[str, str] = {}
@@ -110,9 +137,17 @@ def derive(
     wrote(*written)
 
 
-def _share_of_orders(report: Any, order: int) -> Callable[[int], None]:
-    """n ↦ the share done: work grows like n⁵, and the moving frame is as much again."""
-    return lambda n: report(0.5 * ((n - 1) // order + (((n - 1) % order + 1) / order) ** 5))
+def _refuse_formulas(format: str | None, out: Path | None, plot: Path | None) -> None:
+    """What is written of the paper's string only."""
+    from asymptotics.errors import InputError
+
+    given = {"--format": format, "--out": out, "--plot": plot}
+    asked_for = [name for name, value in given.items() if value is not None]
+    if asked_for:
+        raise InputError(
+            f"{', '.join(asked_for)}: formulas are written of the string with Z = 1 + ε cos θ; of "
+            "other ropes derive prints the expansion in numbers, and evaluate --plot draws it"
+        )
 
 
 def _formats(format: str | None, out: Path | None, order: int) -> tuple[str, ...]:
@@ -180,13 +215,19 @@ def evaluate(
         typer.Option(metavar=LIST, help="Positions (x − x_c)/x₀ ≤ 0; by default quarters."),
     ] = None,
     tau: Annotated[str, typer.Option(metavar=LIST, help="Times ct/x₀.")] = "0",
+    problem: ProblemOption = None,
+    values: SetOption = None,
+    beta: BendingOption = None,
+    driven_end: EndOption = None,
+    damping: DampingOption = None,
+    drive: DriveOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Evaluate ξ_c and w/Z₀: the series in ε truncated at order N."""
     from asymptotics.errors import InputError
     from asymptotics.values.evaluate import evaluate as compute
-    from derivations.progress import progress
+    from derivations.progress import progress, share_of_orders
 
     if plot is not None:
         from derivations.figures.plots import check_plot_path
@@ -200,13 +241,18 @@ def evaluate(
             f"--tau and --s ask for a table of {len(times)} × {len(places or ())} numbers, more "
             f"than {MOST_VALUES}; give fewer, or use asymptotics.values.evaluate in Python"
         )
+    rope = asked(problem, values, beta, driven_end, damping, drive)
+    if rope is not None:
+        show(*evaluated(rope, *point, places, times, plot), as_json)
+        wrote(plot)
+        return
     with progress("expanding", 1.0, fine=True) as report:
-        result = compute(*point, places, times, _share_of_orders(report, order))
+        result = compute(*point, places, times, share_of_orders(report, order))
     if plot is not None:
         from derivations.figures.plots import plot_period
 
         with progress("drawing", 1.0, fine=True) as report:
-            plot_period(*point, plot, _share_of_orders(report, order))
+            plot_period(*point, plot, share_of_orders(report, order))
     fields = {
         "command": "evaluate",
         "omega": result.omega,
@@ -217,12 +263,8 @@ def evaluate(
         "contact": result.contact.tolist(),
         "profile": result.profile.tolist(),
     }
-    lines = [f"Omega = {result.omega:g}, epsilon = {result.epsilon:g}, order {result.order}"]
-    heads = ["tau", "x_c/x0", *(f"w/Z0(s={value:g})" for value in result.s)]
-    lines.append("  ".join(f"{head:>16}" for head in heads))
-    for time, contact, row in zip(result.tau, result.contact, result.profile, strict=True):
-        lines.append("  ".join(f"{value:16.10g}" for value in (time, contact, *row)))
-    show(fields, "\n".join(lines), as_json)
+    head = f"Omega = {result.omega:g}, epsilon = {result.epsilon:g}, order {result.order}"
+    show(fields, f"{head}\n{table(result)}", as_json)
     wrote(plot)
 
 

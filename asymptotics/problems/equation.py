@@ -49,12 +49,15 @@ class EndCondition:
         (k, t) ↦ e_{kt}.
     constant
         d.
+    forcing
+        ΔZ(τ).
     drive
         n ↦ the amplitude of e^{inΩτ} in ΔZ, of both signs.
     """
 
     terms: Powers
     constant: sympy.Expr
+    forcing: sympy.Expr
     drive: Mapping[int, sympy.Expr]
 
 
@@ -261,7 +264,7 @@ def end_condition(statement: Any, known: Letters, r: int) -> EndCondition:
             f"driven end: {right} has to be a constant plus epsilon times a periodic function of "
             f"{known.tau}"
         )
-    return EndCondition(found.terms, constant, fourier(forcing, known))
+    return EndCondition(found.terms, constant, forcing, fourier(forcing, known))
 
 
 def fourier(function: sympy.Expr, known: Letters) -> dict[int, sympy.Expr]:

@@ -154,14 +154,19 @@ class MovingContact:
 
     def __str__(self) -> str:
         ends = [
-            f"{_sum(c.terms)} = {c.constant}" + (f" + epsilon*{dict(c.drive)}" if c.drive else "")
+            f"{_sum(c.terms)} = {c.constant + self.letters.epsilon * c.forcing}"
             for c in self.driven_end
         ]
         return f"rope {_sum(self.equation.terms)} = {self.equation.right}, {', '.join(ends)}"
 
 
 def _sum(terms: Mapping[tuple[int, int], sympy.Expr]) -> str:
-    return " + ".join(f"{value}*{derivative(k, t)}" for (k, t), value in terms.items())
+    """In the spelling of problem files.
+
+    >>> _sum({(0, 0): sympy.Symbol("kappa"), (0, 2): sympy.S(1), (2, 0): sympy.S(-1)})
+    'W*kappa + W_tautau - W_xixi'
+    """
+    return str(sympy.Add(*(c * sympy.Symbol(derivative(k, t)) for (k, t), c in terms.items())))
 
 
 def moving_contact(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import logging
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,10 @@ import numpy as np
 from asymptotics.checks import finite_number
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Progress
+from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.values.evaluate import string_expansion
 from asymptotics.values.response import Response, response
+from asymptotics.values.rope import evaluate_rope
 from derivations.files import check_writable, write_file
 
 SUFFIXES = {".png", ".pdf", ".svg"}
@@ -104,6 +106,25 @@ def plot_period(
     return result
 
 
+def plot_rope_period(
+    rope: MovingContact,
+    at: Mapping[str, Any],
+    epsilon: float,
+    order: int,
+    path: Path,
+    progress: Progress | None = None,
+) -> Response:
+    """The same of a reader's own rope at values of its parameters."""
+    check_plot_path(path)
+    omega = float(rope.values(at)["Omega"])
+    tau = np.linspace(0.0, 2 * math.pi / omega, 97)
+    contact = evaluate_rope(rope, at, epsilon, order, [], tau).contact
+    s = contact[:, None] * np.linspace(-1.0, 0.0, 401)
+    result = evaluate_rope(rope, at, epsilon, order, s, tau, progress)
+    save_figure(_period_figure(result, omega), path)
+    return result
+
+
 def _period_figure(result: Response, omega: float) -> Any:
     from matplotlib import colormaps
     from matplotlib.figure import Figure
@@ -116,7 +137,7 @@ def _period_figure(result: Response, omega: float) -> Any:
         for i, (colour, phase) in enumerate(zip(colours, _PHASES, strict=True)):
             contact, profile = result.contact[i * step], result.profile[i * step]
             left.plot(contact + result.s[i * step], profile, color=colour, label=f"${phase}$")
-            left.plot(contact, 0, "o", color=colour, ms=3.2)
+            left.plot(contact, profile[-1], "o", color=colour, ms=3.2)
             right.plot(result.tau[i * step] / period, contact, "o", color=colour, ms=4.5, zorder=3)
         left.set(
             xlabel=r"position $x/x_0$",

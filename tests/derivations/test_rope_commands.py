@@ -1,0 +1,161 @@
+"""The commands on a rope that is not the paper's string."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asymptotics import expand
+from asymptotics.problems import presets
+from asymptotics.problems.symbols import Omega
+from asymptotics.values.rope import evaluate_rope
+from derivations.app import main
+from derivations.commands.ropes import drive_of
+
+FILE = """
+equation = "W_tautau = W_xixi - 2 - kappa*W"
+driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]
+contact = ["W", "W_xi"]
+
+[parameters]
+kappa = 1.7
+"""
+
+
+def said(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    captured = capsys.readouterr()
+    return int(ended.value.code or 0), captured.out, captured.err
+
+
+@pytest.fixture
+def problem(tmp_path: Path) -> str:
+    path = tmp_path / "rope.toml"
+    path.write_text(FILE, encoding="utf-8")
+    return str(path)
+
+
+def test_evaluate_a_problem_file(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["evaluate", "--problem", problem, "--omega", "2.2", "--epsilon", "0.01", "--json"]
+    code, out, _ = said([*line, "--order", "3", "--tau", "0,1", "--s=-0.5,0"], capsys)
+    found = json.loads(out)
+    assert code == 0
+    assert found["static_contact"] == pytest.approx(math.acosh(1.85) / math.sqrt(1.7), rel=1e-15)
+    assert found["parameters"] == {"kappa": 1.7, "Omega": 2.2}
+    series = expand(presets.string(foundation=1.7), 3, at={Omega: 2.2})
+    wanted = found["static_contact"] + sum(
+        0.01**n * (2 if j else 1) * c * math.cos(j * 2.2)
+        for n in (1, 2, 3)
+        for j, c in series.contact(n).items()
+    )
+    assert found["contact"][1] == pytest.approx(wanted, rel=1e-14)
+    assert found["profile"][1][1] == 0
+    _, out, _ = said([*line, "--set", "kappa=0"], capsys)
+    string = ["evaluate", "--omega", "2.2", "--epsilon", "0.01", "--json"]
+    _, plain, _ = said(string, capsys)
+    assert json.loads(out)["contact"] == pytest.approx(json.loads(plain)["contact"], rel=1e-13)
+
+
+def test_derive_a_problem_file(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["derive", "--problem", problem, "--omega", "2.2", "--order", "2"]
+    code, out, _ = said(line, capsys)
+    assert code == 0
+    assert "xi_1 = +0.890012519029" in out
+    assert "order 2: consistent to" in out
+    _, out, _ = said([*line, "--json"], capsys)
+    found = json.loads(out)
+    assert found["contact"][1]["2"][0] == pytest.approx(-0.794087307576, rel=1e-12)
+
+
+def test_options_make_the_same_rope(capsys: pytest.CaptureFixture[str]) -> None:
+    """A damped clamped beam under two frequencies is one line."""
+    line = [
+        "evaluate",
+        "--omega",
+        "2.2",
+        "--epsilon",
+        "0.01",
+        "--json",
+        "--beta",
+        "0.01",
+        "--driven-end",
+        "clamped",
+    ]
+    code, out, _ = said([*line, "--damping", "0.1", "--drive", "1: 1, 3: 0.2@0.5"], capsys)
+    assert code == 0
+    rope = presets.beam(
+        beta=0.01, driven_end="clamped", damping=0.1, drive={1: (1, 0), 3: (0.2, 0.5)}
+    )
+    wanted = evaluate_rope(rope, {"Omega": 2.2}, 0.01, 4, None, [0.0])
+    assert json.loads(out)["contact"] == pytest.approx(wanted.contact.tolist(), rel=1e-14)
+    assert np.ravel(json.loads(out)["profile"]) == pytest.approx(wanted.profile.ravel(), abs=1e-12)
+
+
+def test_a_period_of_it_is_drawn(problem: str, tmp_path: Path) -> None:
+    picture = tmp_path / "rope.png"
+    with pytest.raises(SystemExit) as ended:
+        main(["evaluate", "--problem", problem, "--omega", "2.2", "--epsilon", "0.02",
+              "--plot", str(picture)])  # fmt: skip
+    assert not ended.value.code
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--set", "kappa=2"], "there is no file"),
+        (["--driven-end", "clamped"], "give --beta > 0"),
+        (["--drive", "1"], "is not harmonic"),
+        (["--drive", "1: x"], "is not harmonic"),
+        (["--drive", "1: 1, 1: 2"], "each harmonic once"),
+        (["--drive", "1: 1@nan"], "is not harmonic"),
+        (["--problem", "none.toml"], "cannot be read"),
+        (["--beta", "nan"], "greater than or equal to 0"),
+    ],
+)
+def test_bad_options(arguments: list[str], reason: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = said(["evaluate", "--omega", "2.2", "--epsilon", "0.01", *arguments], capsys)
+    assert (code, out) == (2, "")
+    assert reason in err
+    assert err.count("ropewave: error: ") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--beta", "0.1"], "the file says what the rope is"),
+        (["--set", "kappa"], "write name=value"),
+        (["--set", "kappa=two"], "is not a finite number"),
+        (["--set", "mu=2"], "mu is no parameter"),
+    ],
+)
+def test_bad_options_beside_a_file(
+    problem: str, arguments: list[str], reason: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = ["evaluate", "--omega", "2.2", "--epsilon", "0.01", "--problem", problem]
+    code, _, err = said([*line, *arguments], capsys)
+    assert code == 2
+    assert reason in err
+
+
+def test_derive_writes_no_formulas_of_it(
+    problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, _, err = said(["derive", "--problem", problem, "--out", str(tmp_path / "x")], capsys)
+    assert code == 2
+    assert "formulas are written of the string" in err
+    assert not (tmp_path / "x").exists()
+
+
+def test_drives() -> None:
+    found = drive_of(" 0: 0.1 ,2:1e-1 @ -0.5,3: 1/3")
+    assert {n: (float(a), float(b)) for n, (a, b) in found.items()} == {
+        0: (0.1, 0.0),
+        2: (0.1, -0.5),
+        3: (1 / 3, 0.0),
+    }
