@@ -18,6 +18,7 @@ from derivations.commands import figure2 as figure2_command
 from derivations.commands import resonances as resonance_commands
 from derivations.commands import simulation as simulation_commands
 from derivations.commands import threshold as threshold_command
+from derivations.commands import validate as validate_command
 from derivations.commands.options import (
     LIST,
     EpsilonOption,
@@ -273,6 +274,8 @@ app.command()(resonance_commands.tongue)
 app.command()(resonance_commands.fold)
 app.command()(simulation_commands.simulate)
 app.command()(threshold_command.threshold)
+app.command()(validate_command.validate)
+app.command()(validate_command.validate)
 app.command()(figure2_command.figure2)
 
 

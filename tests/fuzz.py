@@ -50,17 +50,26 @@ def _files(*suffixes: str) -> tuple[str, ...]:
 
 PICTURE = _files("png", "svg", "pdf")
 COMMON = {"--plot": PICTURE, "--json": FLAG}
+ROPE = {
+    "--beta": BETA, "--driven-end": END, "--damping": ("0", "0.1", "1e3"),
+    "--drive": ("1: 1", "1: 1, 3: 0.2@0.5", "0: 0.1, 2: 1", "1", "1: 1e400", "1:1,1:1", "9999: 1"),
+    "--problem": ("none.toml", "/dev/zero", "."), "--set": ("kappa=2", "kappa"),
+}  # fmt: skip
 EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
     "derive": {
         "--order": ORDER, "--format": ("text", "latex", "numpy", "json", "pdf"),
         "--out": ("out", "/dev/full", ""), "--style": ("cotangent", "circular"),
         "--column": ("one", "two"), "--omega": OMEGA, "--epsilon": EPSILON, "--no-cache": FLAG,
-        **COMMON,
+        **COMMON, **ROPE,
     },
     "evaluate": {
         "--omega": OMEGA, "--epsilon": EPSILON, "--order": ORDER,
         "--s": ("-1,0", "-2:0:0.1", "1", "-1e308", "-1:0:1e-4"),
-        "--tau": ("0", "0:6:0.1", "1e308", "1e16", "0:1:1e-4"), **COMMON,
+        "--tau": ("0", "0:6:0.1", "1e308", "1e16", "0:1:1e-4"), **COMMON, **ROPE,
+    },
+    "validate": {
+        "--omega": OMEGA, "--beta": BETA, "--order": ORDER, "--quick": FLAG,
+        "--form": ("none.py", "."), **COMMON,
     },
     "resonances": {
         "--beta": BETA, "--driven-end": END, "--count": ("1", "5", "100", "1000"),
@@ -91,6 +100,7 @@ EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
 # What a line has when nothing else is said: what is required, and what keeps runs short.
 USUAL: dict[str, dict[str, str | None]] = {
     "evaluate": {"--omega": "1.1", "--epsilon": "0.01"},
+    "validate": {"--omega": "1.1", "--order": "2", "--quick": None},
     "tongue": {"": "1/2"},
     "fold": {"": "1/1"},
     "simulate": {"--omega": "2.5", "--epsilon": "0.05", "--dx": "0.025", "--ramp": "1",

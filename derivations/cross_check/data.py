@@ -15,7 +15,7 @@ orthogonal, so that the following terms change a slope by O(q²) only.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from asymptotics.errors import InputError
 from derivations.cross_check.forms import (
+    SHARE,
     Array,
     ClosedForm,
     largest_amplitudes,
@@ -121,6 +122,16 @@ class Comparison:
         x, y = np.log(self.epsilon[inside]), np.log(errors.error[order - 1, inside])
         return float(np.polyfit(x, y, 1)[0])
 
+    def uncertainty(self, errors: Errors, order: int) -> float:
+        """By how much that slope may be off: the floor's share of each error, and SHARE² for the
+        terms that follow, see the module's docstring.
+        """
+        inside = self.judged(errors, order)
+        x = np.log(self.epsilon[inside])
+        weights = (x - x.mean()) / ((x - x.mean()) ** 2).sum()
+        share = errors.floor[inside] / errors.error[order - 1, inside]
+        return float((np.abs(weights) * share).sum()) + SHARE**2
+
     def decades(self, errors: Errors, order: int) -> tuple[float, float]:
         """The decades of ε, and of the error, that were judged."""
         inside = self.judged(errors, order)
@@ -143,11 +154,12 @@ def against_exact_string(
     length: float = 400.0,
     points: int = 4,
     decades: float = 2.0,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Comparison:
     """Closed forms of orders 1 … N against the exact string after a ramp of the given length.
 
     The ladder has ``points`` amplitudes a decade, from the largest ``top`` to ``decades`` below the
-    smallest.
+    smallest. ``progress`` is called with how many are done, and of how many.
 
     Raises
     ------
@@ -158,7 +170,11 @@ def against_exact_string(
     # One step more than asked, so that rounding cannot cost the last.
     steps = math.ceil(points * (math.log10(top.max() / top.min()) + decades)) + 1
     epsilon = top.max() * 10.0 ** (-np.arange(steps + 1) / points)
-    rows = [_exact_row(omega, e, forms, length) for e in epsilon.tolist()]
+    rows = []
+    for e in epsilon.tolist():
+        rows.append(_exact_row(omega, e, forms, length))
+        if progress is not None:
+            progress(len(rows), epsilon.size)
     return comparison(omega, 0.0, epsilon, len(forms), EXACT_KEEP, rows)
 
 

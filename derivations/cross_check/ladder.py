@@ -18,6 +18,7 @@ import numpy as np
 from derivations.cross_check.data import Comparison, against_exact_string
 from derivations.cross_check.forms import beam_form, string_form
 from derivations.cross_check.runs import against_simulator
+from derivations.cross_check.validation import Validation
 from derivations.figures.plots import check_plot_path, drawing, save_figure
 from derivations.output import open_streams
 from numerics.simulation.contact import Scheme
@@ -107,12 +108,34 @@ def draw(found: Sequence[Comparison], dx: float) -> Any:
     return figure
 
 
+def draw_validation(found: Validation) -> Any:
+    """One comparison, with its verdicts in the title."""
+    from matplotlib.figure import Figure
+
+    one = found.comparison
+    with drawing():
+        figure = Figure(figsize=(5.4, 4.4), layout="constrained")
+        axes = figure.subplots()
+        _panel(axes, one)
+        verdicts = ", ".join(f"{judged.order}: {judged.verdict}" for judged in found.orders)
+        axes.set(
+            title=rf"$\Omega={one.omega:.5g}$, $\beta={one.beta:g}$; judge: {found.judge}"
+            f"\n{verdicts}",
+            xlabel=r"forcing amplitude $\epsilon$",
+            ylabel="error of order $N$ (root mean square)",
+        )
+        axes.title.set_fontsize(9)
+        handles, labels = axes.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
+    return figure
+
+
 def _panel(axes: Any, one: Comparison) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter
 
     axes.set(xscale="log", yscale="log")
     for n in one.orders:
-        colour, marker = _STYLES[n - 1]
+        colour, marker = _STYLES[(n - 1) % len(_STYLES)]
         for errors, face in ((one.contact, colour), (one.shape, "white")):
             judged = one.judged(errors, n)
             look = {"marker": marker, "ls": "none", "color": colour, "mfc": face, "ms": 4.5}

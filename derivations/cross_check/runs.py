@@ -109,15 +109,22 @@ def against_simulator(
     dx: float,
     scheme: Scheme,
     length: float = 150.0,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Comparison:
     """Closed forms of orders 1 … N against the simulator, at the amplitudes ε, decreasing.
+
+    ``progress`` is called with how many are done, and of how many.
 
     Raises
     ------
     CircleNotFoundError
         β = 0, and the string has no periodic state at an amplitude.
     """
-    rows = [_simulated_row(omega, beta, e, forms, dx, scheme, length) for e in epsilon]
+    rows = []
+    for e in epsilon:
+        rows.append(_simulated_row(omega, beta, e, forms, dx, scheme, length))
+        if progress is not None:
+            progress(len(rows), len(epsilon))
     return comparison(omega, beta, epsilon, len(forms), SIMULATED_KEEP, rows)
 
 
