@@ -69,7 +69,7 @@ EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
     },
     "validate": {
         "--omega": OMEGA, "--beta": BETA, "--order": ORDER, "--quick": FLAG,
-        "--form": ("none.py", "."), **COMMON,
+        "--form": ("none.py", "."), **COMMON, **{**ROPE, "--beta": BETA},
     },
     "resonances": {
         "--beta": BETA, "--driven-end": END, "--count": ("1", "5", "100", "1000"),

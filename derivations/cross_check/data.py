@@ -72,7 +72,7 @@ class Comparison:
     Attributes
     ----------
     omega, beta
-        Of which rope.
+        Of which rope; β is nan where that is a reader's own.
     epsilon
         ε, shape (k,), decreasing.
     top
@@ -82,7 +82,7 @@ class Comparison:
     sizes
         ‖ξ_1‖, ‖ξ_2‖, … .
     contact, shape
-        Errors of ξ_c and of W.
+        Errors of ξ_c and of W, the latter where W was compared.
     """
 
     omega: float
@@ -92,7 +92,7 @@ class Comparison:
     keep: float
     sizes: Array
     contact: Errors
-    shape: Errors
+    shape: Errors | None
 
     @property
     def orders(self) -> range:

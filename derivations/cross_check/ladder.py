@@ -71,6 +71,8 @@ def table(found: Sequence[Comparison]) -> str:
     lines = ["Omega      beta   of    N  slope   decades of epsilon, of the error"]
     for one in found:
         for name, errors in (("xi_c", one.contact), ("W", one.shape)):
+            if errors is None:
+                continue
             for n in one.orders:
                 head = f"{one.omega:<9.6g}  {one.beta:<5g}  {name:<4}  {n}"
                 if one.judged(errors, n).sum() < 2:
@@ -117,9 +119,10 @@ def draw_validation(found: Validation) -> Any:
         figure = Figure(figsize=(5.4, 4.4), layout="constrained")
         axes = figure.subplots()
         _panel(axes, one)
+        beta = "" if math.isnan(one.beta) else rf", $\beta={one.beta:g}$"
         verdicts = ", ".join(f"{judged.order}: {judged.verdict}" for judged in found.orders)
         axes.set(
-            title=rf"$\Omega={one.omega:.5g}$, $\beta={one.beta:g}$; judge: {found.judge}"
+            title=rf"$\Omega={one.omega:.5g}${beta}; judge: {found.judge}"
             f"\n{verdicts}",
             xlabel=r"forcing amplitude $\epsilon$",
             ylabel="error of order $N$ (root mean square)",
@@ -137,6 +140,8 @@ def _panel(axes: Any, one: Comparison) -> None:
     for n in one.orders:
         colour, marker = _STYLES[(n - 1) % len(_STYLES)]
         for errors, face in ((one.contact, colour), (one.shape, "white")):
+            if errors is None:
+                continue
             judged = one.judged(errors, n)
             look = {"marker": marker, "ls": "none", "color": colour, "mfc": face, "ms": 4.5}
             label = rf"$N={n}$" if errors is one.contact else None
@@ -149,6 +154,8 @@ def _panel(axes: Any, one: Comparison) -> None:
     axes.plot([], [], color="0.4", lw=0.9, label=r"$\|\xi_{N+1}\|\,\epsilon^{N+1}$")
     floors = ((one.contact, "--", r"floor, $x_c$"), (one.shape, ":", r"floor, $w$"))
     for errors, style, label in floors:
+        if errors is None:
+            continue
         axes.plot(one.epsilon, errors.floor, style, color="0.3", lw=1.0, label=label)
     if one.beta == 0 and len(one.orders) == len(_STYLES):
         axes.plot([], [], "o", color="0.4", ms=4.5, label="$x_c/x_0$")
@@ -159,7 +166,7 @@ def _panel(axes: Any, one: Comparison) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
     if len(parts) > 1:
         axes.xaxis.set_major_formatter("{x:g}")
-    lowest = min(one.contact.floor.min(), one.shape.floor.min())
+    lowest = min(e.floor.min() for e in (one.contact, one.shape) if e is not None)
     axes.set_ylim(lowest / 4, 4 * one.contact.error.max())
 
 

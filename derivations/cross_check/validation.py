@@ -1,8 +1,9 @@
 r"""Closed forms on trial: does the error of each order fall like the next power of ε?
 
-At β = 0 the judge is the exact string, with bending the contact simulator; neither knows of the
-series. An order's slope is fitted where the judge's own floor and the terms after the next leave it
-alone (:mod:`derivations.cross_check.data`), and its uncertainty says what they may still do to it.
+At β = 0 the judge is the exact string, with bending the contact simulator, of a reader's own rope
+its periodic state by collocation; none knows of the series. An order's slope is fitted where the
+judge's own floor and the terms after the next leave it alone (:mod:`derivations.cross_check.data`),
+and its uncertainty says what they may still do to it.
 
 =================  ==============================================================================
 agrees             the slope is N + 1 within its uncertainty
@@ -13,7 +14,8 @@ floor reached      fewer than two amplitudes are clear of the floor, or the unce
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -22,6 +24,7 @@ import numpy as np
 
 from asymptotics.errors import InputError
 from asymptotics.problems.beam import float_beam
+from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.problems.problem import check_frequency
 from derivations.cross_check.data import Comparison, against_exact_string
 from derivations.cross_check.forms import (
@@ -30,6 +33,7 @@ from derivations.cross_check.forms import (
     largest_amplitudes,
     term_sizes,
 )
+from derivations.cross_check.ropes import against_collocation
 from derivations.cross_check.runs import against_simulator
 from numerics.simulation.contact import Scheme
 
@@ -80,7 +84,7 @@ class Validation:
         one = self.comparison
         return {
             "omega": one.omega,
-            "beta": one.beta,
+            "beta": None if math.isnan(one.beta) else one.beta,
             "judge": self.judge,
             "epsilons": one.epsilon.tolist(),
             "errors": one.contact.error.tolist(),
@@ -154,6 +158,34 @@ def validate(
     ladder = largest_amplitudes(sizes, order).max() * 2.0 ** (-np.arange(rungs) / 2)
     found = against_simulator(omega, beta, ladder, forms, dx, Scheme.TRAPEZOIDAL, ramp, progress)
     return _judged(found, f"the contact simulator, dx = {dx:g}")
+
+
+def validate_rope(
+    rope: MovingContact,
+    at: Mapping[Any, Any],
+    order: int,
+    quick: bool = False,
+    form: Callable[..., Any] | None = None,
+    progress: Progress | None = None,
+) -> Validation:
+    """The same for a reader's own rope, against its periodic states by collocation.
+
+    Parameters
+    ----------
+    rope, at
+        As for :func:`asymptotics.expand`.
+
+    Examples
+    --------
+    >>> from asymptotics.problems.presets import string
+    >>> found = validate_rope(string(foundation=1.7), {"Omega": 2.2}, 1, quick=True)
+    >>> [judged.verdict for judged in found.orders]
+    ['agrees']
+    """
+    omega = float(rope.values(at)["Omega"])
+    own = None if form is None else _called(form, omega)
+    found = against_collocation(rope, at, order, quick, own, progress)
+    return _judged(found, "the periodic state, by collocation")
 
 
 def _judged(comparison: Comparison, judge: str) -> Validation:

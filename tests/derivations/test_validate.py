@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.problems import presets
 from derivations.app import main
-from derivations.cross_check.validation import validate
+from derivations.cross_check.validation import validate, validate_rope
 
 pytest.importorskip("numba")
 
@@ -102,3 +103,48 @@ def test_files_that_are_no_form(
         main(["validate", "--omega", "2.2", "--quick", "--order", "1", "--form", str(path)])
     assert ended.value.code == 2
     assert reason in capsys.readouterr().err
+
+
+PROBLEM = """
+equation = "W_tautau = W_xixi - 2 - kappa*W"
+driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]
+contact = ["W", "W_xi"]
+
+[parameters]
+kappa = 1.7
+"""
+
+
+@pytest.mark.slow
+def test_a_reader_s_own_rope_against_its_periodic_states(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "rope.toml"
+    path.write_text(PROBLEM, encoding="utf-8")
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", "--problem", str(path), "--omega", "2.2", "--order", "3", "--quick",
+              "--json", "--plot", str(tmp_path / "v.png")])  # fmt: skip
+    assert not ended.value.code
+    found = json.loads(capsys.readouterr().out)
+    assert found["beta"] is None
+    assert found["verdicts"] == ["agrees"] * 3
+    assert [round(slope) for slope in found["slopes"]] == [2, 3, 4]
+
+
+@pytest.mark.slow
+def test_the_string_s_formula_is_not_the_foundation_s() -> None:
+    found = validate_rope(
+        presets.string(foundation=1.7),
+        {"Omega": 2.2},
+        2,
+        quick=True,
+        form=lambda tau, omega, epsilon: 1 + epsilon * np.cos(omega * tau),
+    )
+    assert found.orders[1].verdict == "differs"
+
+
+@pytest.mark.slow
+def test_a_layer_too_thin_for_the_judge_is_its_floor() -> None:
+    """Fourteen points do not resolve √β = 0.01; that is said, not taken for a difference."""
+    found = validate_rope(presets.beam(), {"beta": 1e-4, "Omega": 2.2}, 1, quick=True)
+    assert found.orders[0].verdict == "floor reached"

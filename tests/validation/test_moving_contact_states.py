@@ -13,7 +13,7 @@ import sympy as sp
 from asymptotics import expand, prove
 from asymptotics.problems.moving_contact import MovingContact, moving_contact
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
-from tests.validation.periodic_contact import Stated, Terms, contact_point
+from numerics.periodic.collocation import LinearRope, Terms, periodic_contact
 
 OMEGA = 2.2
 kappa, beta, rho, v, gamma, zeta, eta = sp.symbols("kappa beta rho v gamma zeta eta")
@@ -161,14 +161,13 @@ def errors(name: str) -> list[list[float]]:
     assert prove(series).holds
     rest = float(np.real(series.problem.rest))
 
-    def ground(place: Any, k: int) -> Any:
-        return np.polyval(np.polyder(case.ground, k), place) + 0 * place
-
-    stated = Stated(case.terms, case.load, case.ends, case.rope.contact_order, OMEGA, rest, ground)
+    stated = LinearRope(
+        case.terms, case.load, case.ends, case.rope.contact_order, OMEGA, rest, case.ground
+    )
     t = 2 * np.pi / OMEGA * np.arange(TIMES) / TIMES
     found = []
     for small in EPSILONS:
-        state = contact_point(stated, small, TIMES, POINTS)
+        state = periodic_contact(stated, small, TIMES, POINTS)
         partial, row = np.full(TIMES, rest), []
         for n in (1, 2, 3):
             for j, c in series.contact(n).items():

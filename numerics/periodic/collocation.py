@@ -1,0 +1,209 @@
+r"""Periodic states of any linear rope with a moving contact, by collocation.
+
+On y = ξ/ξ_c(τ) the lifted part is a fixed strip. W is a table of Chebyshev points in y and an odd
+number of equal times in a period; there
+
+.. math:: ∂_ξ = ξ_c^{−1} ∂_y, \qquad ∂_τ = ∂_t − y \frac{ξ_c'}{ξ_c} ∂_y
+
+are matrices, and so is the equation Σ c_{kt} ∂_ξ^k ∂_τ^t W = ℓ. For given ξ_c(τ) it is solved with
+all conditions but the last one at the contact point, which Newton's iteration then meets by moving
+ξ_c. Nothing here is expanded in ε.
+
+Dense matrices: some hundred points in y and τ together are a second. Rounding costs what r
+derivatives on n points cost, about n^{2r} ulp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from numerics.errors import InputError, NumericsError
+
+Array = NDArray[np.float64]
+Terms = Mapping[tuple[int, int], float]
+"""(k, t) ↦ the coefficient of ∂_ξ^k ∂_τ^t W."""
+
+SETTLED = 1e-6
+"""Part of ξ₀: steps that no longer shrink are rounding only below it."""
+
+# The matrix of slopes is kept while it serves; by then the iteration has settled, or will not.
+_MOST_STEPS = 30
+
+
+class NoPeriodicStateError(NumericsError):
+    """Newton's iteration found no state at this amplitude."""
+
+
+@dataclass(frozen=True)
+class LinearRope:
+    """A rope in numbers, stated without the algebra.
+
+    Attributes
+    ----------
+    terms, load
+        c_{kt} and ℓ.
+    ends
+        The conditions at ξ = 0: (e_{kt}, d, τ ↦ ΔZ).
+    contacts
+        m: W − g and its first m − 1 slopes vanish at ξ_c.
+    omega, rest
+        Ω, and ξ₀ to start from.
+    ground
+        g's coefficients, the highest power of ξ first.
+    """
+
+    terms: Terms
+    load: float
+    ends: Sequence[tuple[Terms, float, Callable[[Array], Array]]]
+    contacts: int
+    omega: float
+    rest: float
+    ground: Sequence[float] = (0.0,)
+
+    @property
+    def order(self) -> int:
+        """r."""
+        return max(k for k, _ in self.terms)
+
+
+def periodic_contact(rope: LinearRope, epsilon: float, times: int, points: int) -> Array:
+    """ξ_c of the periodic state at ``times`` equal times of a period, from τ = 0.
+
+    Parameters
+    ----------
+    epsilon
+        ε.
+    times
+        Odd; harmonics up to (times − 1)/2 are resolved.
+    points
+        Chebyshev points in y.
+
+    Raises
+    ------
+    InputError
+        An even number of times, or fewer points than the equation has conditions.
+    NoPeriodicStateError
+        The iteration does not settle: ε beyond the state's end, or too few points.
+
+    Examples
+    --------
+    The string at rest, W = (1 − ξ)², and moved by ξ₁ = Ω/(2 sin Ω) cos Ωτ:
+
+    >>> ends = [({(0, 0): 1.0}, 1.0, lambda tau: np.cos(2.2 * tau))]
+    >>> string = LinearRope({(0, 2): 1.0, (2, 0): -1.0}, -2.0, ends, 2, 2.2, 1.0)
+    >>> moved = periodic_contact(string, 1e-3, 9, 12)
+    >>> round(float(moved[0] - 1) / 1e-3, 2), round(1.1 / np.sin(2.2), 2)
+    (1.36, np.float64(1.36))
+    """
+    if times < 3 or times % 2 == 0 or points < rope.order + 2:
+        raise InputError(
+            f"times = {times}, points = {points}; give an odd number of times ≥ 3 and at least "
+            f"{rope.order + 2} points"
+        )
+    grid = _Strip(rope, epsilon, times, points)
+    contact = np.full(times, float(rope.rest))
+    with np.errstate(all="ignore"):
+        inverse, before = _inverse_slopes(grid.left, contact), np.inf
+        for _ in range(_MOST_STEPS):
+            change = -inverse @ grid.left(contact)
+            contact = contact + change
+            size = float(np.abs(change).max())
+            if not size < rope.rest:
+                break
+            # It has settled when what is left is rounding, which no further step makes smaller.
+            if size < 1e-9 * rope.rest or (size >= before and size < SETTLED * rope.rest):
+                return contact
+            if size > 0.02 * before and size > SETTLED * rope.rest:
+                inverse = _inverse_slopes(grid.left, contact)
+            before = size
+    raise NoPeriodicStateError(
+        f"no periodic state found at epsilon = {epsilon!r} on {times} times and {points} points; "
+        "give a smaller epsilon, or more points"
+    )
+
+
+def _inverse_slopes(function: Callable[[Array], Array], place: Array) -> Array:
+    """The inverse of the matrix of derivatives, by central differences."""
+    step = 1e-6
+    columns = []
+    for i in range(place.size):
+        unit = np.zeros_like(place)
+        unit[i] = step
+        columns.append((function(place + unit) - function(place - unit)) / (2 * step))
+    return np.linalg.inv(np.stack(columns, axis=1))
+
+
+class _Strip:
+    """The equation on the fixed strip."""
+
+    def __init__(self, rope: LinearRope, epsilon: float, times: int, points: int) -> None:
+        self.rope, self.epsilon = rope, epsilon
+        self.tau = 2 * np.pi / rope.omega * np.arange(times) / times
+        self.y, self.d_y = chebyshev(points)
+        self.d_t = fourier(times, rope.omega)
+        self.along = np.kron(self.d_t, np.eye(points))
+        self.ground = [np.polyder(np.poly1d(list(rope.ground)), k) for k in range(rope.contacts)]
+
+    def left(self, contact: Array) -> Array:
+        """∂^{m−1}(W − g) at the contact point, when all else holds."""
+        rope, times, points = self.rope, self.tau.size, self.y.size
+        size, m, r = times * points, rope.contacts, rope.order
+        d_xi = np.kron(np.diag(1 / contact), self.d_y)
+        rate = self.d_t @ contact / contact
+        d_tau = self.along - np.kron(np.diag(rate), self.y[:, None] * self.d_y)
+        known: dict[tuple[int, int], Any] = {(0, 0): np.eye(size)}
+
+        def operator(k: int, t: int) -> Any:
+            if (k, t) not in known:
+                known[k, t] = d_xi @ operator(k - 1, t) if k else d_tau @ operator(k, t - 1)
+            return known[k, t]
+
+        matrix = sum(c * operator(k, t) for (k, t), c in rope.terms.items())
+        right = np.full(size, float(rope.load))
+        # Row 0 of a time is the contact point, the last one the driven end; the equation gives way
+        # to the conditions on the points next to both.
+        rows = np.arange(size).reshape(times, points)
+        for e in range(m - 1):
+            matrix[rows[:, e]] = operator(e, 0)[rows[:, 0]]
+            right[rows[:, e]] = self.ground[e](contact)
+        for i, (terms, constant, drive) in enumerate(rope.ends):
+            place = rows[:, points - 1 - i]
+            matrix[place] = sum(c * operator(k, t)[rows[:, -1]] for (k, t), c in terms.items())
+            right[place] = constant + self.epsilon * drive(self.tau)
+        assert len(rope.ends) == r - m + 1
+        w = np.linalg.solve(matrix, right)
+        return np.asarray((operator(m - 1, 0) @ w)[rows[:, 0]] - self.ground[m - 1](contact))
+
+
+def chebyshev(points: int) -> tuple[Array, Array]:
+    """Points on [0, 1] from 1 down to 0, and the matrix of d/dy on them.
+
+    >>> y, d = chebyshev(8)
+    >>> bool(np.allclose(d @ y**3, 3 * y**2))
+    True
+    """
+    i = np.arange(points)
+    x = np.cos(np.pi * i / (points - 1))
+    c = np.where((i == 0) | (i == points - 1), 2.0, 1.0) * (-1.0) ** i
+    d = np.outer(c, 1 / c) / (x[:, None] - x[None, :] + np.eye(points))
+    d -= np.diag(d.sum(axis=1))
+    return (x + 1) / 2, 2 * d
+
+
+def fourier(times: int, omega: float) -> Array:
+    """d/dτ on an odd number of equal times in a period 2π/Ω.
+
+    >>> tau = 2 * np.pi / 3 * np.arange(7) / 7
+    >>> bool(np.allclose(fourier(7, 3.0) @ np.sin(3 * tau), 3 * np.cos(3 * tau)))
+    True
+    """
+    i = np.arange(times)
+    apart = i[:, None] - i[None, :] + np.eye(times)
+    d = 0.5 * (-1.0) ** apart / np.sin(np.pi * apart / times)
+    d[i, i] = 0.0
+    return omega * d
