@@ -144,7 +144,7 @@ def parabola(*derivatives: int) -> Callable[[int], Any]:
 
 def test_the_static_shape_has_to_reach_the_driven_end() -> None:
     """W₀ = 2(ξ − 1)² with twice the load is flat at the contact point, and 2 high."""
-    twice = {"inverse_leading": RING.rational(1, 4), "load": RING.rational(4)}
+    twice = {"inverse_leading": RING.rational(1, 4), "load": (RING.rational(4),)}
     proofs = refuted(static_string(static=parabola(0, 0, 4), **twice), "order 0: REFUTED")
     assert faults(proofs[0]) == {"driven_end"}
 
@@ -152,12 +152,12 @@ def test_the_static_shape_has_to_reach_the_driven_end() -> None:
 @pytest.mark.parametrize(
     ("fields", "fault"),
     [
-        ({"load": RING.rational(3)}, {"equation"}),
+        ({"load": (RING.rational(3),)}, {"equation"}),
         ({"static": parabola(0, 0, 2, 1)}, {"equation"}),
         ({"static_reduction": (RING.zero, RING.zero, RING.one)}, {"equation"}),
         ({"static": parabola(0, -1, 2)}, {"driven_end", "contact"}),
         ({"static": parabola(1, 1, 2)}, {"contact"}),
-        ({"static": parabola(1, 2, 4), "load": RING.rational(4)}, {"contact"}),
+        ({"static": parabola(1, 2, 4), "load": (RING.rational(4),)}, {"contact"}),
     ],
 )
 def test_the_static_shape(fields: dict[str, Any], fault: set[str]) -> None:
@@ -165,7 +165,7 @@ def test_the_static_shape(fields: dict[str, Any], fault: set[str]) -> None:
 
 
 def test_no_static_shape_is_no_proof() -> None:
-    fields = {"static": parabola(), "load": RING.zero, "inverse_leading": RING.one}
+    fields = {"static": parabola(), "load": (RING.zero,), "inverse_leading": RING.one}
     proofs = refuted(static_string(**fields), "harmonics 0 MISSING")
     assert faults(proofs[0]) == {"missing", "driven_end"}
 
