@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+import os
+
+# Every worker has a core; BLAS threads of several workers on one core wait for one another, and
+# make dense linear algebra ten times slower. Before anything imports NumPy.
+for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
 import pytest
 
 from asymptotics import ClosedForms, Expansion, exact_string, expand

@@ -9,8 +9,8 @@ are matrices, and so is the equation Σ c_{kt} ∂_ξ^k ∂_τ^t W = ℓ. For gi
 all conditions but the last one at the contact point, which Newton's iteration then meets by moving
 ξ_c. Nothing here is expanded in ε.
 
-Dense matrices: some hundred points in y and τ together are a second. Rounding costs what r
-derivatives on n points cost, about n^{2r} ulp.
+Dense matrices: some hundred unknowns are well under a second. Rounding costs what r derivatives on
+n points cost, about n^{2r} ulp.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int, points: int) 
     Raises
     ------
     InputError
-        An even number of times, or fewer points than the equation has conditions.
+        A wrong number of conditions, an even number of times, or too few points.
     NoPeriodicStateError
         The iteration does not settle: ε beyond the state's end, or too few points.
 
@@ -100,6 +100,11 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int, points: int) 
     >>> round(float(moved[0] - 1) / 1e-3, 2), round(1.1 / np.sin(2.2), 2)
     (1.36, np.float64(1.36))
     """
+    if len(rope.ends) != rope.order - rope.contacts + 1:
+        raise InputError(
+            f"{len(rope.ends)} conditions at the driven end; an equation of order {rope.order} "
+            f"with {rope.contacts} at the contact point needs {rope.order - rope.contacts + 1}"
+        )
     if times < 3 or times % 2 == 0 or points < rope.order + 2:
         raise InputError(
             f"times = {times}, points = {points}; give an odd number of times ≥ 3 and at least "
@@ -139,45 +144,59 @@ def _inverse_slopes(function: Callable[[Array], Array], place: Array) -> Array:
 
 
 class _Strip:
-    """The equation on the fixed strip."""
+    """The equation on the fixed strip.
+
+    Operators are tables with four indices, (time, point) from (time, point): in that form ∂_ξ acts
+    on each time alone, and ∂_t on each point alone.
+    """
 
     def __init__(self, rope: LinearRope, epsilon: float, times: int, points: int) -> None:
         self.rope, self.epsilon = rope, epsilon
         self.tau = 2 * np.pi / rope.omega * np.arange(times) / times
-        self.y, self.d_y = chebyshev(points)
+        self.y, d_y = chebyshev(points)
+        self.powers = [np.linalg.matrix_power(d_y, k) for k in range(rope.order + 1)]
         self.d_t = fourier(times, rope.omega)
-        self.along = np.kron(self.d_t, np.eye(points))
+        self.unit = np.eye(times * points).reshape(times, points, times, points)
         self.ground = [np.polyder(np.poly1d(list(rope.ground)), k) for k in range(rope.contacts)]
+        statements = [rope.terms, *(terms for terms, _, _ in rope.ends)]
+        self.highest = max(t for terms in statements for _, t in terms)
+
+    def _in_time(self, contact: Array) -> list[Array]:
+        """∂_τ^t for all t in use."""
+        rate = self.d_t @ contact / contact
+        stretched = rate[:, None, None] * (self.y[:, None] * self.powers[1])
+        found = [self.unit]
+        for _ in range(self.highest):
+            moved = np.einsum("ij,jpkq->ipkq", self.d_t, found[-1], optimize=True)
+            found.append(moved - np.einsum("ipr,irkq->ipkq", stretched, found[-1], optimize=True))
+        return found
 
     def left(self, contact: Array) -> Array:
         """∂^{m−1}(W − g) at the contact point, when all else holds."""
         rope, times, points = self.rope, self.tau.size, self.y.size
-        size, m, r = times * points, rope.contacts, rope.order
-        d_xi = np.kron(np.diag(1 / contact), self.d_y)
-        rate = self.d_t @ contact / contact
-        d_tau = self.along - np.kron(np.diag(rate), self.y[:, None] * self.d_y)
-        known: dict[tuple[int, int], Any] = {(0, 0): np.eye(size)}
+        size, m = times * points, rope.contacts
+        in_time = self._in_time(contact)
 
-        def operator(k: int, t: int) -> Any:
-            if (k, t) not in known:
-                known[k, t] = d_xi @ operator(k - 1, t) if k else d_tau @ operator(k, t - 1)
-            return known[k, t]
+        def operator(k: int, t: int, rows: slice = slice(None)) -> Any:
+            """∂_ξ^k ∂_τ^t, or some of its points' rows."""
+            scaled = contact[:, None, None] ** -k * self.powers[k][None, rows]
+            return np.einsum("ipr,irjq->ipjq", scaled, in_time[t], optimize=True)
 
         matrix = sum(c * operator(k, t) for (k, t), c in rope.terms.items())
-        right = np.full(size, float(rope.load))
-        # Row 0 of a time is the contact point, the last one the driven end; the equation gives way
-        # to the conditions on the points next to both.
-        rows = np.arange(size).reshape(times, points)
+        right = np.full((times, points), float(rope.load))
+        # Point 0 is the contact point, the last one the driven end; the equation gives way to the
+        # conditions on the points next to both.
+        near, far = slice(0, 1), slice(points - 1, points)
         for e in range(m - 1):
-            matrix[rows[:, e]] = operator(e, 0)[rows[:, 0]]
-            right[rows[:, e]] = self.ground[e](contact)
+            matrix[:, e] = operator(e, 0, near)[:, 0]
+            right[:, e] = self.ground[e](contact)
         for i, (terms, constant, drive) in enumerate(rope.ends):
-            place = rows[:, points - 1 - i]
-            matrix[place] = sum(c * operator(k, t)[rows[:, -1]] for (k, t), c in terms.items())
-            right[place] = constant + self.epsilon * drive(self.tau)
-        assert len(rope.ends) == r - m + 1
-        w = np.linalg.solve(matrix, right)
-        return np.asarray((operator(m - 1, 0) @ w)[rows[:, 0]] - self.ground[m - 1](contact))
+            row = sum(c * operator(k, t, far)[:, 0] for (k, t), c in terms.items())
+            matrix[:, points - 1 - i] = row
+            right[:, points - 1 - i] = constant + self.epsilon * drive(self.tau)
+        w = np.linalg.solve(matrix.reshape(size, size), right.reshape(size))
+        last = operator(m - 1, 0, near)[:, 0].reshape(times, size)
+        return np.asarray(last @ w - self.ground[m - 1](contact))
 
 
 def chebyshev(points: int) -> tuple[Array, Array]:
