@@ -126,9 +126,9 @@ def validate(
 
     Examples
     --------
-    >>> found = validate(2.2, 0.0, 2, quick=True)
+    >>> found = validate(2.2, 0.0, 1, quick=True)
     >>> [(judged.order, round(judged.slope, 1), judged.verdict) for judged in found.orders]
-    [(1, 2.0, 'agrees'), (2, 3.0, 'agrees')]
+    [(1, 2.0, 'agrees')]
     """
     if not LOWEST <= omega <= FASTEST:
         raise InputError(

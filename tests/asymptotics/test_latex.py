@@ -306,6 +306,7 @@ def test_source_lines_are_short_even_at_order_ten(style: str) -> None:
             assert text.count("{") == text.count("}")
 
 
+@pytest.mark.slow
 def test_cut_denominators_say_the_same() -> None:
     """Order 9 in a narrow column, where denominators of sines and cosines stand in two parts."""
     order = 9

@@ -262,6 +262,7 @@ def claims_against(
     return claims, confirmed
 
 
+@pytest.mark.slow
 def test_errors_hold_against_a_higher_order(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing that is claimed is refuted, and half of it is confirmed by what is no worse."""
     claims, confirmed = claims_against(34, [20, 24, 28], 20, monkeypatch)

@@ -390,6 +390,7 @@ def test_the_threshold_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_threshold_of_a_string_is_exact(capsys: pytest.CaptureFixture[str]) -> None:
     found = answer(capsys, "threshold", "--omega", "2.7", "--beta", "0")
     assert found["lower"] < 0.0292 < found["upper"] < 0.03

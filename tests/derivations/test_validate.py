@@ -26,6 +26,7 @@ def contact(tau, omega, epsilon):
 """
 
 
+@pytest.mark.slow
 def test_the_string_s_orders_agree_with_the_exact_string() -> None:
     found = validate(2.2, 0.0, 3, quick=True)
     assert [judged.verdict for judged in found.orders] == ["agrees"] * 3
@@ -41,6 +42,7 @@ def test_the_beam_s_orders_against_the_simulator() -> None:
     assert "dx = 0.005" in found.judge
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "verdict"), [(("", ""), "agrees"), (("/ 16", "/ 15"), "differs")]
 )
@@ -64,6 +66,7 @@ def test_a_reader_s_own_form(
     assert picture.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_a_form_that_is_wrong_at_first_order_falls_too_slowly() -> None:
     found = validate(
         2.2, 0.0, 2, quick=True, form=lambda tau, omega, epsilon: 1 + epsilon * np.cos(omega * tau)

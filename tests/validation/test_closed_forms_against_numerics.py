@@ -133,6 +133,7 @@ def test_the_simulators_floor_is_of_second_order():
     assert rate == pytest.approx(2, abs=0.35)
 
 
+@pytest.mark.slow
 def test_bending_vanishes_with_beta():
     """ξ_c − ξ_c⁰ − √(β/(1−ξ_c′²)) − β/2, on average, is of higher order than the layer √β."""
     form = string_form(1.2, 4)
@@ -144,6 +145,7 @@ def test_bending_vanishes_with_beta():
     assert (np.abs(found) < 0.5 * betas).all()
 
 
+@pytest.mark.slow
 def test_the_ramp_ends_in_the_periodic_state():
     """Its transient falls faster than any power of the ramp's length: the local exponent grows."""
     epsilon, xi = 0.001, PLACES[:, None]
