@@ -187,6 +187,7 @@ for number in range(10**9):
 """
 
 
+@pytest.mark.slow
 def test_two_writers_are_killed_again_and_again(atomic: ModuleType, tmp_path: Path) -> None:
     """The file is always whole, and the next start removes what the last one left."""
     path, chance, left = tmp_path / "file", random.Random(5), 0

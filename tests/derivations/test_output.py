@@ -58,6 +58,7 @@ def test_help_and_results_in_a_poor_encoding(encoding: str) -> None:
     assert ("..." if encoding == "ascii" else "…") in text
 
 
+@pytest.mark.slow
 def test_the_cross_check_in_a_poor_encoding() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "derivations.cross_check.ladder", "--help"],
@@ -76,6 +77,7 @@ def test_a_file_name_that_is_no_text_is_printed_as_it_is(tmp_path: Path) -> None
     assert done.stderr == b"wrote " + name + b"\n"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 @pytest.mark.parametrize(
     "arguments", [EVALUATE, (*EVALUATE, "--json"), ("simulate", "--help"), ("--version",)]

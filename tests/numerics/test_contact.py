@@ -21,7 +21,7 @@ from numerics.simulation.observables import (
     moving_size,
 )
 from numerics.simulation.run import follow, simulate
-from numerics.simulation.semi_discrete import Grid, State, rope, string_on_obstacle
+from numerics.simulation.semi_discrete import Grid, State, falling_bar, rope, string_on_obstacle
 from tests.numerics.by_hand import EPS, move, order, richardson, undriven
 
 both = pytest.mark.parametrize("scheme", list(Scheme))
@@ -336,3 +336,13 @@ def test_a_step_that_does_not_end_is_an_error_and_the_state_before_it_is_kept(mo
     assert broken.step == 3
     np.testing.assert_array_equal(broken.state.height, whole.state.height)
     assert broken.unexplained == whole.unexplained
+
+
+def test_nodes_stand_where_they_say():
+    """Equally spaced, from the driven end; the bar's first node is its lower end itself."""
+    system = Simulator(RopeProblem(0.01, cosine(2.5, 0.05)), Grid(dx=0.02, length=6.0)).system
+    nodes = np.arange(system.positions.size)
+    assert np.array_equal(system.positions, 0.02 * (nodes + 1))
+    bar = falling_bar(50)
+    assert np.array_equal(bar.positions, bar.dx * np.arange(bar.positions.size))
+    assert bar.positions[-1] == pytest.approx(10.0, abs=1.01 * bar.dx)

@@ -44,6 +44,7 @@ def springs(forced):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_limit_of_hard_springs(forced, springs, scheme):
     """dx fixed, κ ≫ ω_max²: first order in 1/κ, the time a strike lasts being of order 1/√κ."""

@@ -229,6 +229,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_killed_sweeps_resume_and_leave_no_workers(tmp_path: Path) -> None:
     script, folder = tmp_path / "slow.py", tmp_path / "results"
     script.write_text(SLOW)

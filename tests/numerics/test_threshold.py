@@ -119,6 +119,7 @@ def test_base_heights_fit_on_the_grid():
     assert base_settings(0.0).height == pytest.approx(1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("omega", [2.7, 6.0])
 def test_the_interval_of_a_string_is_that_of_the_exact_string(omega):
     """No ramp between those that were tried refutes it, and their brackets are those of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from numerics.problems.drive import cosine
 from numerics.problems.problem import RopeProblem
@@ -22,6 +23,7 @@ from tests.benchmarks.forced_rope import (
 from tests.numerics.by_hand import order
 
 
+@pytest.mark.slow
 def test_smoothing_brings_the_noise_down_to_the_error_of_the_grid():
     """Ω = 2.5, ε = .05, β = .01; the series is good to 3e-8 there. The rms errors are those that
     the docstring of ``smooth_contact`` gives; a window of √dx leaves 2.8e-4 at dx = .01."""
