@@ -63,6 +63,7 @@ def test_scaled_terms_are_those_of_the_cubic() -> None:
     assert rows[2][1] / rows[0][1] == pytest.approx(-shift / (2 * mu), rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "q"), [(1, 1), (2, 1), (1, 2), (3, 2), (1, 3), (2, 3), (1, 4), (9, 4), (1, 5), (2, 5)]
 )

@@ -298,6 +298,7 @@ coefficient = st.integers(-8, 8).map(lambda n: sp.Rational(n, 8))
 positive = st.integers(1, 16).map(lambda n: sp.Rational(n, 8))
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(
     st.fixed_dictionaries(

@@ -203,6 +203,7 @@ def test_the_golden_series_diverges_by_its_resonances(golden: SeriesAnalysis) ->
     assert shown["resonances"][1][0] == 34
 
 
+@pytest.mark.slow
 # What Padé approximants at order 84, in 640 bits, have: at Ω = 1.2 settled to 1e-8;
 # at Ω = 1.9 branch points, whose estimates still move by as much as given. There, below order 44,
 # no estimate is good enough to be given. At Ω = 2.52955, near 4π/5, order 60 has branch points, and

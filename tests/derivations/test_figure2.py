@@ -379,6 +379,7 @@ def test_curves_are_ordered() -> None:
     assert isinstance(found[0], Curve)
 
 
+@pytest.mark.slow
 def test_the_last_circle_found_is_a_lower_bound_and_not_a_close_one():
     """At Ω = 1.9387855 the golden circle lasts to ε = .129245 (K = .971635); docs/figure2.md."""
     low, high = figure2.largest_circle(1.9387855)

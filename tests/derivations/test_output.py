@@ -117,6 +117,7 @@ def test_closed_streams() -> None:
     assert command(*EVALUATE, shell="2>&-").stdout == command(*EVALUATE).stdout
 
 
+@pytest.mark.slow
 def test_version_and_completion() -> None:
     done = command("--version")
     assert (done.returncode, done.stderr) == (0, b"")

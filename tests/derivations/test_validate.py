@@ -35,6 +35,7 @@ def test_the_string_s_orders_agree_with_the_exact_string() -> None:
         assert abs(judged.slope - judged.order - 1) < 0.1
 
 
+@pytest.mark.slow
 def test_the_beam_s_orders_against_the_simulator() -> None:
     found = validate(2.2, 0.01, 3, quick=True)
     assert [judged.verdict for judged in found.orders][:2] == ["agrees", "agrees"]

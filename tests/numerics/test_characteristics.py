@@ -70,6 +70,7 @@ def test_the_wave_equation_holds_as_the_parallelogram_identity(gentle):
     assert np.abs(defect).max() < 8 * EPS * gentle.until
 
 
+@pytest.mark.slow
 def test_velocity_and_slope_are_the_derivatives(gentle):
     tau, step = np.linspace(10, 80, 9), 1e-3
     weights = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))  # order 6: (ΩΔ)⁶ = 1e-16
@@ -256,6 +257,7 @@ def test_the_sheet_s_thresholds_lie_between_holds_of_0_and_400_periods(omega):
     assert long.upper < SHEET[omega] < short.upper * (1 + 0.03)
 
 
+@pytest.mark.slow
 def test_threshold_study_shows_labels_matter_least():
     rows = threshold_study(2.9, 20, 20, labels=256, rtol=1e-4)
     base, half_ramp, double_ramp, short, held, coarse, fine = (row.upper for row in rows)
