@@ -17,15 +17,20 @@ from importlib import import_module
 from typing import Any
 
 _ALGEBRA = {
+    "derivation": "Derivation derive",
     "expansion.order_loop": "Expansion expand",
     "expansion.moving_frame": "MovingFrame moving_frame",
     "expansion.proof": "prove",
-    "expansion.storage": "derive",
+    "expansion.storage": "saved_expansion",
     "formulas.closed_form": "ClosedForm ClosedForms",
+    "formulas.rope": "RopeForms rope_forms",
     "paper.check": "compare",
     "paper.printed": "printed",
+    "printing.javascript": "javascript_module",
     "printing.latex": "contact_equation formula_sets profile_equation shape_equation",
     "printing.numpy_code": "numpy_module",
+    "printing.rope_latex": "rope_latex",
+    "printing.rope_modules": "rope_javascript rope_numpy",
     "problems.beam": "float_beam",
     "problems.beam_spectrum": "linear_frequencies linear_spectrum",
     "problems.damped": "damped_string",

@@ -38,6 +38,7 @@ from derivations.commands.ropes import (
     asked,
     derived,
     evaluated,
+    formulas,
     table,
 )
 from derivations.output import guarded, json_text, note, open_streams, show, wrote
@@ -58,6 +59,10 @@ GOLDEN = 1.941611038725466
 # Numbers in one table: more are no text.
 MOST_VALUES = 1_000_000
 
+# Formulas in impedances know no relation among them: they are as long as the string's some orders
+# further on.
+MORE_PAGES = 6
+
 # Longer texts stay in their files when there are files; the screen gets the proofs.
 SCREEN = 20_000
 
@@ -66,7 +71,7 @@ SCREEN = 20_000
 def derive(
     order: OrderOption = 4,
     format: Annotated[
-        Literal["text", "latex", "numpy", "json"] | None,
+        Literal["text", "latex", "numpy", "javascript", "json"] | None,
         typer.Option(help="Which; without it all of them with --out, or text."),
     ] = None,
     out: Annotated[
@@ -94,19 +99,24 @@ def derive(
 ) -> None:
     """Derive F_0 … F_N and ξ_c, prove every order, and write the formulas.
 
-    With --problem, --beta, --damping or --drive: the expansion of that rope at one Ω, in numbers.
+    With --problem, --beta, --damping or --drive: of that rope, in its impedances, with --format or
+    --out; without either its expansion at one Ω, in numbers.
     """
+    from asymptotics.errors import InputError
+    from asymptotics.printing.written_out import as_json as json_object
     from derivations.files import check_folder
     from derivations.progress import progress, share_of_orders
-    from derivations.reports.formats import as_json as json_object
     from derivations.reports.formats import render, write_files
 
     rope = asked(problem, values, beta, driven_end, damping, drive)
-    if rope is not None:
-        _refuse_formulas(format, out, plot)
+    if rope is not None and plot is not None:
+        raise InputError(
+            "--plot draws the string with Z = 1 + ε cos θ; of other ropes evaluate --plot draws"
+        )
+    if rope is not None and format is None and out is None:
         show(*derived(rope, omega, order, as_json), as_json)
         return
-    formats = _formats(format, out, order)
+    formats = _formats(format, out, order if rope is None else order + MORE_PAGES)
     written: list[Path] = []
     if out is not None:
         check_folder(out)
@@ -116,7 +126,10 @@ def derive(
         with progress("drawing", 1.0, quiet=as_json, fine=True) as report:
             plot_period(omega, epsilon, order, plot, share_of_orders(report, order))
         written.append(plot)
-    forms, proofs = _derivation(order, style, cache, quiet=as_json)
+    if rope is None:
+        forms, proofs = _derivation(order, style, cache, quiet=as_json)
+    else:
+        forms, proofs = formulas(rope, order, as_json)
     text: dict[str, str] = {}
     if out is not None:
         with progress("writing", len(formats), quiet=as_json) as report:
@@ -136,19 +149,6 @@ def derive(
     if format is None and "text" not in formats:
         note(_left_out(order, out))
     wrote(*written)
-
-
-def _refuse_formulas(format: str | None, out: Path | None, plot: Path | None) -> None:
-    """What is written of the paper's string only."""
-    from asymptotics.errors import InputError
-
-    given = {"--format": format, "--out": out, "--plot": plot}
-    asked_for = [name for name, value in given.items() if value is not None]
-    if asked_for:
-        raise InputError(
-            f"{', '.join(asked_for)}: formulas are written of the string with Z = 1 + ε cos θ; of "
-            "other ropes derive prints the expansion in numbers, and evaluate --plot draws it"
-        )
 
 
 def _formats(format: str | None, out: Path | None, order: int) -> tuple[str, ...]:
@@ -184,7 +184,7 @@ def _derivation(order: int, style: str, cache: bool, quiet: bool) -> tuple[Any, 
     from asymptotics.expansion.moving_frame import moving_frame
     from asymptotics.expansion.order_loop import expand
     from asymptotics.expansion.proof import prove
-    from asymptotics.expansion.storage import derive as derive_saved
+    from asymptotics.expansion.storage import saved_expansion
     from asymptotics.formulas.closed_form import ClosedForms
     from asymptotics.problems.problem import exact_string
     from derivations.progress import progress
@@ -196,7 +196,7 @@ def _derivation(order: int, style: str, cache: bool, quiet: bool) -> tuple[Any, 
             expansion = expand(problem, order, progress=report)
         else:
             try:
-                expansion = derive_saved(problem, order, folder, report)
+                expansion = saved_expansion(problem, order, folder, report)
             except UnwritableError as error:
                 without_cache(error)
                 expansion = expand(problem, order, progress=report)
@@ -274,7 +274,6 @@ app.command()(resonance_commands.tongue)
 app.command()(resonance_commands.fold)
 app.command()(simulation_commands.simulate)
 app.command()(threshold_command.threshold)
-app.command()(validate_command.validate)
 app.command()(validate_command.validate)
 app.command()(figure2_command.figure2)
 

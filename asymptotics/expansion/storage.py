@@ -192,7 +192,7 @@ class Store:
         return content
 
 
-def derive(
+def saved_expansion(
     problem: Problem[Any], order: int, folder: Path, progress: Progress | None = None
 ) -> Expansion[Any]:
     """Continue the saved expansion of a problem to ``order``, saving every order as it is done.
@@ -209,8 +209,8 @@ def derive(
     >>> import tempfile
     >>> from asymptotics.problems.problem import exact_string
     >>> with tempfile.TemporaryDirectory() as name:
-    ...     first = derive(exact_string(), 2, Path(name))
-    ...     again = derive(exact_string(), 3, Path(name))
+    ...     first = saved_expansion(exact_string(), 2, Path(name))
+    ...     again = saved_expansion(exact_string(), 3, Path(name))
     >>> again.contact(2) == first.contact(2), again.order
     (True, 3)
     """

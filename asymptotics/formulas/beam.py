@@ -24,7 +24,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from functools import cache
 from typing import Any
 
@@ -46,8 +45,8 @@ from asymptotics.rings.rounding import rounded_value
 ENTRIES = ("20", "21", "30", "31")
 """Y^j_{di}: derivative d of the harmonic per unit of its i-th datum."""
 
-Bracket = list[tuple[Fraction, tuple[str, ...]]]
-"""Σ coefficient · product of generator names."""
+SOURCES = ("S2", "S3")
+"""What the drive brings in: formulas are sorted by its powers."""
 
 
 def generator_names(order: int) -> tuple[str, ...]:
@@ -256,21 +255,3 @@ def contact_amplitude(expansion: Expansion[fmpq_mpoly], n: int, j: int) -> fmpq_
         )
     c = expansion.contact(n).get(j, expansion.problem.ring.zero)
     return c if j == 0 else c + c
-
-
-def brackets(element: fmpq_mpoly) -> list[tuple[int, int, Bracket]]:
-    """Σ S₂^k S₃^l [bracket] as (k, l, bracket), k descending: how closed forms are written.
-
-    >>> brackets(contact_amplitude(expand_symbolic(2), 2, 2))  # doctest: +NORMALIZE_WHITESPACE
-    [(2, 0, [(Fraction(-1, 4), ('sigma',)), (Fraction(-1, 4), ('Y2_21',))]),
-     (1, 1, [(Fraction(1, 2), ())])]
-    """
-    names = element.context().names()
-    found: dict[tuple[int, int], Bracket] = {}
-    for powers, coefficient in element.terms():
-        count = {name: int(power) for name, power in zip(names, powers, strict=True)}
-        key = count.pop("S2"), count.pop("S3")
-        factors = tuple(name for name, power in count.items() for _ in range(power))
-        value = Fraction(int(coefficient.p), int(coefficient.q))
-        found.setdefault(key, []).append((value, factors))
-    return [(*key, found[key]) for key in sorted(found, reverse=True)]

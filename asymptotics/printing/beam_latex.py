@@ -6,15 +6,14 @@ Written from the polynomials of :mod:`asymptotics.formulas.beam`, so that they h
 
 from __future__ import annotations
 
-from math import lcm
 from typing import Any
 
 from flint import fmpq_mpoly
 
 from asymptotics.expansion.order_loop import Expansion
-from asymptotics.formulas.beam import brackets, contact_amplitude
+from asymptotics.formulas.beam import SOURCES, contact_amplitude
 from asymptotics.printing.equations import BEGIN, END, aligned, equation, room_beside
-from asymptotics.printing.widths import Term
+from asymptotics.printing.polynomials import latex_tree
 from asymptotics.problems.beam import check_beam
 
 _GENERAL = r"""Here $\theta=\Omega\tau$, $\hat\epsilon=\epsilon/a_{3}$ with
@@ -155,54 +154,14 @@ def _amplitudes(entries: list[tuple[str, str, fmpq_mpoly]], driven_end: str) -> 
     room = min(room_beside(f"{left}=") for left, *_ in entries)
     ends = [","] * (len(entries) - 1) + ["."]
     return aligned(
-        equation(left, _tree(element), f"{driven_end}:{name}", room, end=end)
+        equation(left, latex_tree(element, SOURCES, _symbol), f"{driven_end}:{name}", room, end=end)
         for (left, name, element), end in zip(entries, ends, strict=True)
     )
 
 
-def _tree(element: fmpq_mpoly) -> list[Term]:
-    """An amplitude as a sum of products S₂^k S₃^m with a bracket each."""
-    terms: list[Term] = []
-    for k, m, bracket in brackets(element):
-        below = lcm(*(value.denominator for value, _ in bracket))
-        negative = bracket[0][0] < 0
-        ones = [(int(-value * below if negative else value * below), n) for value, n in bracket]
-        sources = _power("S_{2}", k) + _power("S_{3}", m)
-        if len(ones) == 1:  # its integer goes into the fraction
-            value, names = ones[0]
-            terms.append(Term(negative, (_fraction(value, below) + sources + _product(names),)))
-            continue
-        inner = tuple(
-            Term(value < 0, (_fraction(abs(value), 1) + _product(names) or "1",))
-            for value, names in ones
-        )
-        terms.append(Term(negative, (_fraction(1, below) + sources,), inner))
-    return terms
-
-
-def _fraction(above: int, below: int) -> str:
-    """A positive rational as a factor; empty when it is 1."""
-    if below == 1:
-        return "" if above == 1 else str(above)
-    return rf"\frac{{{above}}}{{{below}}}"
-
-
-def _product(names: tuple[str, ...]) -> str:
-    factors = []
-    for name in dict.fromkeys(names):
-        symbol, exponent = _symbol(name), names.count(name)
-        # A symbol that has a superscript already takes no second one.
-        factors.append(
-            _power(f"({symbol})" if "^" in symbol and exponent > 1 else symbol, exponent)
-        )
-    return "".join(factors)
-
-
-def _power(symbol: str, exponent: int) -> str:
-    return "" if exponent == 0 else symbol if exponent == 1 else f"{symbol}^{{{exponent}}}"
-
-
 def _symbol(name: str) -> str:
+    if name in SOURCES:
+        return f"S_{{{name[1:]}}}"
     if name == "sigma":
         return r"\sigma{}"
     if name.startswith("Y"):

@@ -19,18 +19,16 @@ result where that takes half the digits of ξ_c.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from math import lcm
 from typing import Any
 
 from flint import fmpq_mpoly
 
 from asymptotics.expansion.order_loop import Expansion
-from asymptotics.formulas.beam import ENTRIES, brackets, contact_amplitude
+from asymptotics.formulas.beam import ENTRIES, SOURCES, contact_amplitude
+from asymptotics.formulas.polynomials import brackets
 from asymptotics.printing.numpy_code import emitted_source, functions_of, titled, with_definitions
+from asymptotics.printing.polynomials import assignment, indented
 from asymptotics.problems.beam import check_beam
-
-_WIDTH = 96
 
 
 def beam_numpy(expansion: Expansion[Any], driven_end: str = "pinned") -> str:
@@ -66,7 +64,7 @@ def beam_numpy(expansion: Expansion[Any], driven_end: str = "pinned") -> str:
     amplitudes = {place: c.compose(*shifts) for place, c in polynomials.items()}
     data = _contact_data(expansion, shifts)
     written = [*amplitudes.values(), *(c for pair in data.values() for c in pair)]
-    used = {name for c in written for _, _, b in brackets(c) for _, f in b for name in f}
+    used = {name for c in written for _, b in brackets(c, SOURCES) for _, f in b for name, _ in f}
     lines = []
     for j in range(N + 1):
         names = [f"Y{j}_{entry}" for entry in ENTRIES]
@@ -91,17 +89,17 @@ def beam_numpy(expansion: Expansion[Any], driven_end: str = "pinned") -> str:
         *lines,
     ]
     for (n, j), c in amplitudes.items():
-        body += _assignment(f"h{n}_{j}", c)
+        body += assignment(f"h{n}_{j}", c, SOURCES, symbol=_python_name)
     for (n, j), pair in data.items():
         for name, c in zip("uv", pair, strict=True):
-            body += _assignment(f"{name}{n}_{j}", c)
+            body += assignment(f"{name}{n}_{j}", c, SOURCES, symbol=_python_name)
     body += ["contact = {", *(f"    ({n}, {j}): h{n}_{j} / a3**{n}," for n, j in places), "}"]
     body += ["data = {"]
     body += [f"    ({n}, {j}): (u{n}_{j} / a3**{n - 1}, v{n}_{j} / a3**{n - 1})," for n, j in data]
     body += ["}", "return contact, data"]
     source = emitted_source("beam")
     clamped = functions_of(emitted_source("beam_clamped")) if driven_end == "clamped" else {}
-    source = with_definitions(source, {"_amplitudes": _indented(body)}, {"ORDER": N}, clamped)
+    source = with_definitions(source, {"_amplitudes": indented(body)}, {"ORDER": N}, clamped)
     return titled(
         source.replace("pinned driven end", f"{driven_end} driven end", 1), N, "beam_numpy"
     )
@@ -135,41 +133,3 @@ def _shifts(ring: Any) -> list[fmpq_mpoly]:
 def _python_name(name: str) -> str:
     """The variable that holds what the substitution leaves of a generator."""
     return {"b": "excess", "S3": "s3"}.get(name, name.replace("Y", "y"))
-
-
-def _indented(lines: Iterable[str]) -> str:
-    return "\n".join(f"    {line}" for line in lines)
-
-
-def _assignment(name: str, element: fmpq_mpoly) -> list[str]:
-    """``name = …`` as a sum of S2**k * S3**l * (bracket) / denominator, a statement a bracket."""
-    lines: list[str] = [] if not element.is_zero() else [f"{name} = 0.0"]
-    for k, m, bracket in brackets(element):
-        below = lcm(*(value.denominator for value, _ in bracket))
-        terms = []
-        for value, names in bracket:
-            factors = [_python_name(name) for name in names]
-            size = abs(int(value * below))
-            if size != 1 or not factors:
-                factors.insert(0, f"{size}.0")
-            terms.append(("- " if value < 0 else "+ ") + " * ".join(factors))
-        terms[0] = terms[0].removeprefix("+ ").replace("- ", "-", 1)
-        outside = [f"{s}**{a}" if a > 1 else s for s, a in (("S2", k), ("s3", m)) if a]
-        factor = " * ".join(outside) + (f" / {below}" if below > 1 else "")
-        head = f"{name} = {name} + " if lines else f"{name} = "
-        lines += _wrapped(f"{head}{factor} * (", terms)
-    return lines
-
-
-def _wrapped(head: str, terms: list[str]) -> list[str]:
-    """``head`` terms ``)``, over as many lines as the width asks for."""
-    line = head + " ".join(terms) + ")"
-    if len(line) + 4 <= _WIDTH:
-        return [line]
-    lines, current = [head], ""
-    for term in terms:
-        if current and len(current) + len(term) + 9 > _WIDTH:
-            lines.append(f"    {current}")
-            current = ""
-        current += f"{' ' if current else ''}{term}"
-    return [*lines, f"    {current}", ")"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from asymptotics.errors import InputError
 from asymptotics.printing.widths import Limits, Term, break_lines, pieces, width
 
 
@@ -78,3 +79,9 @@ def aligned(equations: Iterable[str]) -> str:
 def room_beside(left: str, column: str = "two") -> float:
     """What is left of a line after the widest left-hand side of a formula set."""
     return COLUMNS[column].points - width(f"{left} s") + width("s")
+
+
+def check_column(column: str) -> None:
+    """Raise an InputError unless the column is one of :data:`COLUMNS`."""
+    if column not in COLUMNS:
+        raise InputError(f"column = {column!r}; choose one of {', '.join(COLUMNS)}")

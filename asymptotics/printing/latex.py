@@ -22,7 +22,15 @@ import re
 
 from asymptotics.errors import InputError
 from asymptotics.formulas.closed_form import ClosedForms
-from asymptotics.printing.equations import BEGIN, COLUMNS, END, aligned, equation, room_beside
+from asymptotics.printing.equations import (
+    BEGIN,
+    COLUMNS,
+    END,
+    aligned,
+    check_column,
+    equation,
+    room_beside,
+)
 from asymptotics.printing.latex_trees import contact_tree, cosine_sum, profile_tree, shape_tree
 from asymptotics.printing.widths import Term
 
@@ -220,8 +228,7 @@ def _check(forms: ClosedForms, index: int, lowest: int, name: str, column: str) 
         raise InputError(
             f"forms = {forms!r} are not closed forms; give ClosedForms(expand(exact_string(), N))"
         )
-    if column not in COLUMNS:
-        raise InputError(f"column = {column!r}; choose one of {', '.join(COLUMNS)}")
+    check_column(column)
     if isinstance(index, bool) or not hasattr(index, "__index__"):
         raise InputError(f"{name} = {index!r} is not an integer; give a whole number")
     if not lowest <= index <= forms.order:

@@ -40,6 +40,10 @@ _WIDTH = 96
 _BLOCK = 24  # terms in one statement: longer expressions strain compilers' recursion
 _EXACT = 2**53  # integers below are doubles without rounding
 
+Statement = tuple[str, str]
+"""A variable, and the expression that it becomes: sums and products of variables and numbers, the
+same in Python as in JavaScript."""
+
 
 def numpy_module(forms: ClosedForms) -> str:
     """The source of a module with ``contact`` and ``profile`` through the order of ``forms``.
@@ -57,7 +61,7 @@ def numpy_module(forms: ClosedForms) -> str:
     >>> round(float(namespace["contact"](0.0, 0.83, 0.02)), 8)
     1.01122152
     """
-    contact, profile = _Function(), _Function()
+    contact, profile = Function(), Function()
     bodies = {
         "_contact_harmonics": _contact_body(forms, contact),
         "_profile_amplitudes": _profile_body(forms, profile),
@@ -134,7 +138,7 @@ def titled(source: str, order: int, module: str) -> str:
 
 
 @dataclass
-class _Function:
+class Function:
     """One emitted function: the powers, cotangent monomials and brackets its result needs."""
 
     brackets: dict[tuple[tuple[Monomial, int], ...], str] = field(default_factory=dict)
@@ -174,31 +178,32 @@ class _Function:
                 terms.append(_term(form.content * factor, [_power("e", n), _power("o", a), code]))
         return _sum(terms)
 
-    def preamble(self, order: int) -> list[str]:
-        """Unpacking, powers, monomials and brackets, in the order of their dependence."""
-        names = ", ".join(f"k{q}" for q in range(1, order + 1))
-        lines = [f"{names} = k" if order > 1 else f"({names},) = k"]
-        lines += _power_lines("o", self.omega_power) + _power_lines("e", self.small_power)
+    def preamble(self) -> list[Statement]:
+        """Powers, monomials and brackets, in the order of their dependence."""
+        lines = _power_lines("o", self.omega_power) + _power_lines("e", self.small_power)
         powers: dict[int, int] = {}
         for q, m, i in self.monomials:
             powers[q] = max(powers.get(q, 0), m)
             powers[1] = max(powers.get(1, 0), i)
         for q, highest in sorted(powers.items()):
             lines += [
-                f"k{q}p{m} = {_power(f'k{q}', m - 1, 'p')} * k{q}" for m in range(2, highest + 1)
+                (f"k{q}p{m}", f"{_power(f'k{q}', m - 1, 'p')} * k{q}")
+                for m in range(2, highest + 1)
             ]
         for q, m, i in sorted(self.monomials):
             if m and i:
-                lines.append(
-                    f"{_monomial((q, m, i))} = {_power(f'k{q}', m, 'p')} * {_power('k1', i, 'p')}"
-                )
+                product = f"{_power(f'k{q}', m, 'p')} * {_power('k1', i, 'p')}"
+                lines.append((_monomial((q, m, i)), product))
         for primitive, name in self.brackets.items():
             lines += _assignment(name, [_integer_term(v, m) for m, v in primitive])
         return lines
 
 
-def _contact_body(forms: ClosedForms, function: _Function) -> str:
-    names, assignments = [], []
+def contact_statements(
+    forms: ClosedForms, function: Function
+) -> tuple[list[Statement], dict[int, str]]:
+    """What computes the harmonics of ξ_c, and the variable (or 0.0) of each."""
+    names, assignments = {}, []
     for j in range(forms.order + 1):
         parts = {
             n: forms.contact_amplitude(n, j)
@@ -206,13 +211,15 @@ def _contact_body(forms: ClosedForms, function: _Function) -> str:
             if j in forms.expansion.contact(n)
         }
         if parts:
-            assignments += _wrapped(f"h{j}", function.amplitude(parts))
-        names.append(f"{j}: " + (f"h{j}" if parts else "0.0"))
-    lines = function.preamble(forms.order) + assignments
-    return _indent(lines + _wrapped("return", "{" + ", ".join(names) + "}"))
+            assignments.append((f"h{j}", function.amplitude(parts)))
+        names[j] = f"h{j}" if parts else "0.0"
+    return function.preamble() + assignments, names
 
 
-def _profile_body(forms: ClosedForms, function: _Function) -> str:
+def profile_statements(
+    forms: ClosedForms, function: Function
+) -> tuple[list[Statement], dict[int, dict[tuple[int, int], str]]]:
+    """The same of the profile's amplitudes, by j, then k and kind."""
     order = forms.order
     parts: dict[tuple[int, int, int], dict[int, CotangentElement]] = {}
     for n in range(1, order + 1):
@@ -220,16 +227,39 @@ def _profile_body(forms: ClosedForms, function: _Function) -> str:
             for term in forms.profile_terms(j, n):
                 kind = KINDS.index(term.kind)
                 parts.setdefault((j, term.k, kind), {})[n] = term.amplitude
-    assignments: list[str] = []
-    table: dict[int, list[str]] = {j: [] for j in range(order + 1)}
+    assignments = []
+    table: dict[int, dict[tuple[int, int], str]] = {j: {} for j in range(order + 1)}
     for (j, k, kind), orders in sorted(parts.items()):
         name = f"{'vd'[kind]}{k}_{j}"
-        assignments += _wrapped(name, function.amplitude(orders))
-        table[j].append(f"({k}, {kind}): {name}")
-    lines = [*function.preamble(order), *assignments, "return {"]
+        assignments.append((name, function.amplitude(orders)))
+        table[j][k, kind] = name
+    return function.preamble() + assignments, table
+
+
+def _contact_body(forms: ClosedForms, function: Function) -> str:
+    statements, names = contact_statements(forms, function)
+    lines = _python(forms.order, statements)
+    result = "{" + ", ".join(f"{j}: {name}" for j, name in names.items()) + "}"
+    return _indent(lines + _wrapped("return", result))
+
+
+def _profile_body(forms: ClosedForms, function: Function) -> str:
+    statements, table = profile_statements(forms, function)
+    lines = [*_python(forms.order, statements), "return {"]
     for j, entries in table.items():
-        lines += _entries(f"    {j}: ", entries)
+        lines += _entries(
+            f"    {j}: ", [f"({k}, {kind}): {name}" for (k, kind), name in entries.items()]
+        )
     return _indent([*lines, "}"])
+
+
+def _python(order: int, statements: list[Statement]) -> list[str]:
+    """The cotangents unpacked, and the statements."""
+    names = ", ".join(f"k{q}" for q in range(1, order + 1))
+    lines = [f"{names} = k" if order > 1 else f"({names},) = k"]
+    for name, expression in statements:
+        lines += _wrapped(name, expression)
+    return lines
 
 
 def _entries(head: str, entries: list[str]) -> list[str]:
@@ -246,7 +276,7 @@ def _entries(head: str, entries: list[str]) -> list[str]:
     return [*lines, f"        {current}", "    },"]
 
 
-def _roundings(order: int, *functions: _Function) -> int:
+def _roundings(order: int, *functions: Function) -> int:
     """R of the module's docstring: the longest chain of roundings that any term passes through."""
     cotangent = 6  # tan to 1 ulp, the product put back, a sum and a quotient
     worst = 0
@@ -275,8 +305,8 @@ def _power(base: str, exponent: int, mark: str = "") -> str:
     return base if exponent == 1 else f"{base}{mark}{exponent}"
 
 
-def _power_lines(base: str, highest: int) -> list[str]:
-    return [f"{base}{a} = {_power(base, a - 1)} * {base}" for a in range(2, highest + 1)]
+def _power_lines(base: str, highest: int) -> list[Statement]:
+    return [(f"{base}{a}", f"{_power(base, a - 1)} * {base}") for a in range(2, highest + 1)]
 
 
 def _term(factor: Fraction, parts: Iterable[str]) -> str:
@@ -301,13 +331,13 @@ def _sum(terms: list[str]) -> str:
     return "-" + text[2:] if text.startswith("- ") else text[2:]
 
 
-def _assignment(name: str, terms: list[str]) -> list[str]:
+def _assignment(name: str, terms: list[str]) -> list[Statement]:
     """``name = Σ terms``, in statements of at most a block of terms each."""
-    lines = _wrapped(name, _sum(terms[:_BLOCK]))
+    statements = [(name, _sum(terms[:_BLOCK]))]
     for start in range(_BLOCK, len(terms), _BLOCK):
         block = terms[start : start + _BLOCK]
-        lines += _wrapped(name, f"{name} " + " ".join(f"{t[0]} {t[1:]}" for t in block))
-    return lines
+        statements.append((name, f"{name} " + " ".join(f"{t[0]} {t[1:]}" for t in block)))
+    return statements
 
 
 def _wrapped(name: str, expression: str) -> list[str]:

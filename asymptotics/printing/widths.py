@@ -23,7 +23,14 @@ _WIDTHS = {
     **dict.fromkeys("0123456789/", 5.0),
     **{"s": 4.69, "O": 7.91, "F": 7.82, "T": 7.24, "w": 7.43, "S": 6.71, "Y": 8.04},
     **{"b": 4.29, "B": 8.09, "u": 5.72, "v": 5.21},
-    **{r"\xi": 4.84, r"\tau": 5.51, r"\theta": 4.98, r"\kappa": 5.77, r"\sigma": 6.08},
+    **{
+        r"\alpha": 6.4,
+        r"\xi": 4.84,
+        r"\tau": 5.51,
+        r"\theta": 4.98,
+        r"\kappa": 5.77,
+        r"\sigma": 6.08,
+    },
     **{r"\epsilon": 4.06, r"\Omega": 7.23, r"\sin": 12.28, r"\cos": 13.39, r"\times": 7.78},
     **{"(": 3.89, ")": 3.89, "[": 2.78, "]": 2.78, ",": 2.78, ".": 2.78, "+": 7.78, "-": 7.78},
     **{r"\bigl": 1.39, r"\bigr": 1.39, r"\Bigl": 1.95, r"\Bigr": 1.95, "=": 7.78, r"\sim": 7.78},
@@ -57,8 +64,8 @@ def width(tex: str) -> float:
     r"""How wide ``tex`` prints in display style, in points at 10 pt.
 
     Understands what :mod:`asymptotics.printing.latex` writes: the symbols of the table, ``\frac``,
-    ``\hat``, scripts, ``\bigl`` and its kin. The string counts as following an ordinary symbol: its
-    first sign is binary, its first fraction or sine has a thin space before.
+    ``\hat``, ``\overline``, scripts, ``\bigl`` and its kin. The string counts as following an
+    ordinary symbol: its first sign is binary, its first fraction or sine has a thin space before.
 
     >>> round(width(r"\frac{\Omega^{2}}{8}"), 1), round(width(r"\sin 2\Omega s"), 1)
     (15.8, 32.5)
@@ -85,7 +92,7 @@ def _width(tokens: tuple[str, ...]) -> float:
         if token in (r"\bigl", r"\bigr", r"\Bigl", r"\Bigr", r"\quad", r"\qquad"):
             total, i = total + _WIDTHS[token], i + 1
             continue
-        if token == r"\hat" or token == "{":
+        if token in (r"\hat", r"\overline", "{"):
             end = _group_end(tokens, i) if token == "{" else i + 1
             total, i = total + (_width(tokens[i + 1 : end - 1]) if token == "{" else 0.0), end
             continue

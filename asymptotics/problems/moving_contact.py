@@ -26,6 +26,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Literal
 
+import numpy as np
 import sympy
 
 from asymptotics.errors import InputError
@@ -130,7 +131,9 @@ class MovingContact:
         Parameters
         ----------
         at
-            Symbol or name ↦ number; decimals in strings and fractions are exact.
+            Symbol or name ↦ number; decimals in strings and fractions are exact. Or arrays of
+            doubles that broadcast: then the problem is at all their points
+            (:mod:`asymptotics.problems.swept_rope`).
         arithmetic
             ``doubles``, expanded over balls and rounded, all digits right; or ``balls`` in the
             precision of the moment.
@@ -145,6 +148,10 @@ class MovingContact:
         """
         from asymptotics.problems.contact_problem import enclosed_problem, rounded_problem
 
+        if any(isinstance(value, np.ndarray | list) for value in (at or {}).values()):
+            from asymptotics.problems.swept_rope import swept_problem
+
+            return swept_problem(self, at or {})
         values = tuple(sorted(self.values(at).items()))
         if arithmetic == "balls":
             return enclosed_problem(self, values)
@@ -213,6 +220,9 @@ def moving_contact(
             "Fourier sum, on the right of one"
         )
     height = sympy.sympify(ground)
+    # A letter is known by its name, with or without assumptions.
+    named = {known.xi.name: known.xi, known.tau.name: known.tau}
+    height = height.subs({x: named[x.name] for x in height.free_symbols if x.name in named})
     polynomial = height.is_polynomial(known.xi) and not height.has(known.tau, known.epsilon)
     if not polynomial:
         raise InputError(f"ground: {ground} is not a polynomial in {known.xi}")

@@ -12,6 +12,7 @@ import typer
 if TYPE_CHECKING:
     from asymptotics.expansion.certificates import Proof
     from asymptotics.expansion.order_loop import Expansion
+    from asymptotics.formulas.rope import RopeForms
     from asymptotics.problems.moving_contact import MovingContact
 
 ProblemOption = Annotated[
@@ -74,16 +75,20 @@ def asked(
         raise InputError("--set changes a parameter of --problem FILE; there is no file")
     if not given:
         return None
+    import sympy
+
     from asymptotics.problems import presets
 
-    harmonics = None if drive is None else drive_of(drive)
-    shared: dict[str, Any] = {"damping": _exact(damping or 0.0), "drive": harmonics}
+    at: dict[str, Any] = {}
+    shared: dict[str, Any] = {"drive": None if drive is None else drive_of(drive)}
+    if damping:
+        shared["damping"], at["zeta"] = sympy.Symbol("zeta"), _exact(damping)
     if beta:
-        end = driven_end or "pinned"
-        return Asked(presets.beam(beta=_exact(beta), driven_end=end, **shared), {})
+        at["beta"] = _exact(beta)
+        return Asked(presets.beam(driven_end=driven_end or "pinned", **shared), at)
     if driven_end is not None:
         raise InputError("--driven-end holds a rope with bending; give --beta > 0 as well")
-    return Asked(presets.string(**shared), {})
+    return Asked(presets.string(**shared), at)
 
 
 def _exact(value: float) -> Any:
@@ -202,6 +207,17 @@ def derived(asked: Asked, omega: float, order: int, quiet: bool) -> tuple[dict[s
         "proof": [str(proof) for proof in proofs],
     }
     return fields, _in_words(asked, solution, rest, proofs)
+
+
+def formulas(asked: Asked, order: int, quiet: bool) -> tuple[RopeForms, Proof]:
+    """The closed forms of a rope in its impedances, and their proof."""
+    from asymptotics.formulas.rope import rope_forms
+    from derivations.progress import progress
+
+    with progress("deriving", order, quiet) as report:
+        forms = rope_forms(asked.rope, order, report)
+    with progress("proving", order, quiet) as report:
+        return forms, forms.prove(report)
 
 
 def _harmonics(solution: Expansion[Any], n: int) -> dict[str, list[float]]:

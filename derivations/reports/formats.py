@@ -1,24 +1,27 @@
-"""One derivation, written out: text, LaTeX, NumPy, JSON."""
+"""One derivation, written out: text, LaTeX, NumPy, JavaScript, JSON."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from asymptotics.errors import InputError
 from asymptotics.expansion.certificates import Proof
 from asymptotics.formulas.closed_form import ClosedForms
+from asymptotics.formulas.rope import RopeForms
+from asymptotics.printing.written_out import as_json, as_text
 from derivations.files import write_file
 from derivations.output import json_text
 
-FORMATS = ("text", "latex", "numpy", "json")
+FORMATS = ("text", "latex", "numpy", "javascript", "json")
 LAST_PAGE = 12
 """The highest order whose formulas are pages to look at: 150 of them in two columns, and 2.6 times
 as many with every second order. Beyond, text and LaTeX are written only when asked for by name."""
 
 
-def render(forms: ClosedForms, proofs: Proof, format: str, column: str = "two") -> dict[str, str]:
-    """File name → content of one format; LaTeX has several files, the others one.
+def render(
+    forms: ClosedForms | RopeForms, proofs: Proof, format: str, column: str = "two"
+) -> dict[str, str]:
+    """File name → content of one format; the string's LaTeX has several files, the others one.
 
     Examples
     --------
@@ -27,76 +30,53 @@ def render(forms: ClosedForms, proofs: Proof, format: str, column: str = "two") 
     >>> list(render(ClosedForms(solution), prove(solution), "text"))
     ['string-order2.txt']
     """
-    stem = f"{forms.expansion.problem.name}-order{forms.order}"
+    name = "rope" if isinstance(forms, RopeForms) else forms.expansion.problem.name
+    stem = f"{name}-order{forms.order}"
     if format == "text":
         return {f"{stem}.txt": as_text(forms, proofs)}
     if format == "json":
         return {f"{stem}.json": json_text(as_json(forms, proofs), indent=1) + "\n"}
     if format == "numpy":
-        from asymptotics.printing.numpy_code import numpy_module
-
-        return {f"{stem.replace('-', '_')}.py": numpy_module(forms)}
+        return {f"{stem.replace('-', '_')}.py": _numpy(forms)}
+    if format == "javascript":
+        return {f"{stem.replace('-', '_')}.mjs": _javascript(forms)}
     if format == "latex":
-        from asymptotics.printing.latex import formula_sets
-
-        return formula_sets(forms, column)
+        return _latex(forms, stem, column)
     raise InputError(f"format = {format!r}; choose one of {', '.join(FORMATS)}")
 
 
-def as_text(forms: ClosedForms, proofs: Proof) -> str:
-    """F_0 … F_N and ξ_c, each order with its proof, in text that SymPy parses."""
-    from asymptotics.printing.text import contact_text, profile_text
+def _numpy(forms: ClosedForms | RopeForms) -> str:
+    if isinstance(forms, RopeForms):
+        from asymptotics.printing.rope_modules import rope_numpy
 
-    N = forms.order
-    lines = [
-        f"Rope with a moving contact, string limit (beta = 0), through order {N} in epsilon.",
-        "",
-        "  w/Z0  = sum over j of (epsilon/sin(Omega))**j * F_j(s, epsilon) * cos(j*Omega*tau)",
-        "  x_c/x0 = 1 + sum over n, j of epsilon**n * xi_n_j(Omega) * cos(j*Omega*tau)",
-        "  s = (x - x_c)/x0,  Omega = omega*x0/c,  tau = c*t/x0",
-        "",
-        f"Proved {proofs.relative_to}.",
-        "",
-    ]
-    for j in range(N + 1):
-        lines += [f"F_{j} = {profile_text(forms, j)}", f"  {proofs[j]}", ""]
-    for n in range(1, N + 1):
-        for j in sorted(forms.expansion.contact(n)):
-            lines.append(f"xi_{n}_{j} = {contact_text(forms, n, j)}")
-    return "\n".join(lines) + "\n"
+        return rope_numpy(forms)
+    from asymptotics.printing.numpy_code import numpy_module
+
+    return numpy_module(forms)
 
 
-def as_json(forms: ClosedForms, proofs: Proof) -> dict[str, Any]:
-    """The derivation as one JSON object; every formula is a string that SymPy parses."""
-    from asymptotics.printing.text import contact_text, profile_text, shape_text
+def _javascript(forms: ClosedForms | RopeForms) -> str:
+    if isinstance(forms, RopeForms):
+        from asymptotics.printing.rope_modules import rope_javascript
 
-    expansion = forms.expansion
-    return {
-        "command": "derive",
-        "problem": expansion.problem.name,
-        "order": forms.order,
-        "style": forms.style,
-        "conventions": {
-            "contact": "x_c/x0 = 1 + sum_n epsilon**n sum_j contact[j]*cos(j*Omega*tau)",
-            "shape": "w/Z0 = (xi - 1)**2 + sum_n epsilon**n sum_j shape[j]*cos(j*Omega*tau)",
-            "profile": "w/Z0 = sum_j (epsilon/sin(Omega))**j*profile[j]*cos(j*Omega*tau)",
-            "symbols": "Omega, epsilon, tau, xi = x/x0, s = (x - x_c)/x0",
-        },
-        "orders": [
-            {
-                "order": n,
-                "contact": {
-                    str(j): contact_text(forms, n, j) for j in sorted(expansion.contact(n))
-                },
-                "shape": {str(j): shape_text(forms, n, j) for j in sorted(expansion.shape(n))},
-                "proved": proofs[n].holds,
-            }
-            for n in range(1, forms.order + 1)
-        ],
-        "profile": {str(j): profile_text(forms, j) for j in range(forms.order + 1)},
-        "proofs": [str(proof) for proof in proofs],
-        "proved_relative_to": proofs.relative_to,
-    }
+        return rope_javascript(forms)
+    from asymptotics.printing.javascript import javascript_module
+
+    return javascript_module(forms)
+
+
+def _latex(forms: ClosedForms | RopeForms, stem: str, column: str) -> dict[str, str]:
+    if isinstance(forms, RopeForms):
+        from asymptotics.printing.rope_latex import rope_document, rope_latex
+
+        fragment = f"{stem}.tex"
+        return {
+            fragment: rope_latex(forms, column=column),
+            f"{stem}-page.tex": rope_document(forms, fragment, column),
+        }
+    from asymptotics.printing.latex import formula_sets
+
+    return formula_sets(forms, column)
 
 
 def write_files(files: dict[str, str], folder: Path) -> list[Path]:

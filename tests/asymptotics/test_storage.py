@@ -23,7 +23,7 @@ from asymptotics import Expansion, exact_string, expand, float_string, prove, st
 from asymptotics.errors import DamagedFileError, ForeignFileError, InputError, StorageError
 from asymptotics.expansion.proof import RefutedError
 from asymptotics.expansion.saved_orders import largest_size, order_to
-from asymptotics.expansion.storage import Store, _seal, derive
+from asymptotics.expansion.storage import Store, _seal, saved_expansion
 from asymptotics.rings.cotangent import CotangentRing
 
 
@@ -32,14 +32,14 @@ def orders_in(folder: Path) -> list[str]:
 
 
 def test_what_is_read_is_what_was_written(tmp_path: Path, sixth: Expansion) -> None:
-    derive(exact_string(), 6, tmp_path)
+    saved_expansion(exact_string(), 6, tmp_path)
     read, _ = Store(tmp_path, exact_string()).load(6)
     assert read.orders == sixth.orders
     assert all(proof.holds for proof in prove(read))
 
 
 def test_a_later_call_continues(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    derive(exact_string(), 4, tmp_path)
+    saved_expansion(exact_string(), 4, tmp_path)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
     computed: list[int] = []
     import asymptotics.expansion.order_loop as engine
@@ -53,10 +53,10 @@ def test_a_later_call_continues(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr(engine, "_next_order", spy)
     reports: list[int] = []
-    assert derive(exact, 6, tmp_path, reports.append).order == 6
+    assert saved_expansion(exact, 6, tmp_path, reports.append).order == 6
     assert computed == [5, 6]
     assert reports == [4, 5, 6]
-    assert derive(exact, 3, tmp_path).order == 3
+    assert saved_expansion(exact, 3, tmp_path).order == 3
     assert computed == [5, 6]
     for name, content in before.items():
         assert (tmp_path / name).read_bytes() == content
@@ -65,8 +65,8 @@ def test_a_later_call_continues(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_a_killed_process_loses_at_most_the_order_under_way(tmp_path: Path) -> None:
     program = (
         "import sys; from pathlib import Path; from asymptotics import exact_string;"
-        "from asymptotics.expansion.storage import derive;"
-        "derive(exact_string(), 30, Path(sys.argv[1]))"
+        "from asymptotics.expansion.storage import saved_expansion;"
+        "saved_expansion(exact_string(), 30, Path(sys.argv[1]))"
     )
     process = subprocess.Popen([sys.executable, "-c", program, str(tmp_path)])
     deadline = time.monotonic() + 60
@@ -76,7 +76,7 @@ def test_a_killed_process_loses_at_most_the_order_under_way(tmp_path: Path) -> N
     process.wait()
     saved = [path for path in tmp_path.iterdir() if path.name.startswith("order-")]
     assert len(saved) >= 9
-    resumed = derive(exact_string(), 9, tmp_path)
+    resumed = saved_expansion(exact_string(), 9, tmp_path)
     assert [o.contact for o in resumed.orders] == [
         o.contact for o in expand(exact_string(), 9).orders
     ]
@@ -84,12 +84,12 @@ def test_a_killed_process_loses_at_most_the_order_under_way(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("cut", [0, 10, 200])
 def test_a_truncated_file_is_refused_and_left_alone(tmp_path: Path, cut: int) -> None:
-    derive(exact_string(), 3, tmp_path)
+    saved_expansion(exact_string(), 3, tmp_path)
     victim = tmp_path / "order-0002.json.gz"
     victim.write_bytes(victim.read_bytes()[:cut])
     damaged = victim.read_bytes()
     with pytest.raises(DamagedFileError, match=r"order-0002.json.gz is damaged.*move"):
-        derive(exact_string(), 4, tmp_path)
+        saved_expansion(exact_string(), 4, tmp_path)
     assert victim.read_bytes() == damaged
     assert len(orders_in(tmp_path)) == 3
 
@@ -101,13 +101,13 @@ def rewrite(path: Path, **changes: object) -> None:
 
 
 def test_a_changed_number_is_refused(tmp_path: Path) -> None:
-    derive(exact_string(), 3, tmp_path)
+    saved_expansion(exact_string(), 3, tmp_path)
     path = tmp_path / "order-0003.json.gz"
     content = json.loads(gzip.decompress(path.read_bytes()))
     content["order"]["contact"]["1"][0] += 1
     rewrite(path, order=content["order"])
     with pytest.raises(DamagedFileError, match="its content has changed"):
-        derive(exact_string(), 3, tmp_path)
+        saved_expansion(exact_string(), 3, tmp_path)
 
 
 def test_a_sealed_lie_is_refused(tmp_path: Path, sixth: Expansion) -> None:
@@ -117,49 +117,49 @@ def test_a_sealed_lie_is_refused(tmp_path: Path, sixth: Expansion) -> None:
     lie = Expansion(sixth.problem, (replace(sixth.orders[0], contact=contact),))
     Store(tmp_path, exact_string()).append(lie, "")
     with pytest.raises(DamagedFileError, match="its numbers are not what 'string' yields"):
-        derive(exact_string(), 2, tmp_path)
+        saved_expansion(exact_string(), 2, tmp_path)
     with pytest.raises(RefutedError, match="discard it, and any saved copy"):
         prove(lie)
 
 
 def test_another_problem_of_the_same_name_is_refused(tmp_path: Path) -> None:
-    derive(exact_string(), 2, tmp_path)
+    saved_expansion(exact_string(), 2, tmp_path)
     ring = CotangentRing()
     drive = {1: ring.rational(1, 3)}
     other = string(ring, ring.omega, ring.cot, name="string", drive=drive)
     with pytest.raises(DamagedFileError, match=r"order-0001.json.gz is damaged: its numbers"):
-        derive(other, 2, tmp_path)
+        saved_expansion(other, 2, tmp_path)
 
 
 def test_what_is_there_is_compared_before_it_is_continued(tmp_path: Path) -> None:
     """Order 2 was lost, order 3 is another's: found when order 2 has been derived again."""
-    derive(exact_string(), 3, tmp_path)
+    saved_expansion(exact_string(), 3, tmp_path)
     (tmp_path / "order-0002.json.gz").unlink()
-    assert derive(exact_string(), 3, tmp_path).order == 3
+    assert saved_expansion(exact_string(), 3, tmp_path).order == 3
     (tmp_path / "order-0002.json.gz").unlink()
     reseal(tmp_path, {3: lambda content: content["order"]["contact"].pop("1")}, last=3)
     with pytest.raises(DamagedFileError, match=r"order-0003.json.gz is damaged: its numbers"):
-        derive(exact_string(), 3, tmp_path)
+        saved_expansion(exact_string(), 3, tmp_path)
 
 
 def test_files_of_another_origin_are_refused(tmp_path: Path) -> None:
-    derive(exact_string(), 2, tmp_path)
+    saved_expansion(exact_string(), 2, tmp_path)
     path = tmp_path / "order-0001.json.gz"
     whole = path.read_bytes()
     rewrite(path, problem="beam")
     with pytest.raises(ForeignFileError, match="holds order 1 of 'beam'"):
-        derive(exact_string(), 2, tmp_path)
+        saved_expansion(exact_string(), 2, tmp_path)
     rewrite(path, format="something else")
     with pytest.raises(ForeignFileError, match="it says 'something else'"):
-        derive(exact_string(), 2, tmp_path)
+        saved_expansion(exact_string(), 2, tmp_path)
     path.write_bytes(gzip.compress(b"[1, 2]"))
     with pytest.raises(ForeignFileError, match="it says 'list'"):
-        derive(exact_string(), 2, tmp_path)
+        saved_expansion(exact_string(), 2, tmp_path)
     path.write_bytes((tmp_path / "order-0002.json.gz").read_bytes())
     with pytest.raises(ForeignFileError, match="holds order 2"):
-        derive(exact_string(), 2, tmp_path)
+        saved_expansion(exact_string(), 2, tmp_path)
     path.write_bytes(whole)
-    assert derive(exact_string(), 2, tmp_path).order == 2
+    assert saved_expansion(exact_string(), 2, tmp_path).order == 2
 
 
 def test_a_file_that_continues_another_history_is_refused(tmp_path: Path) -> None:
@@ -181,7 +181,7 @@ def test_an_unwritable_folder(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("in the way", encoding="utf-8")
     with pytest.raises(StorageError, match=r"cannot write in .*ROPEWAVE_CACHE"):
-        derive(exact_string(), 2, blocked / "cache")
+        saved_expansion(exact_string(), 2, blocked / "cache")
 
 
 # -- damage ----------------------------------------------------------------------------------------
@@ -220,7 +220,7 @@ def reseal(folder: Path, changes: dict[int, Callable[[Any], Any]], last: int = L
 def outcome(folder: Path, order: int = LAST) -> str:
     """A clear refusal in words, or nothing when what is read, and continued, is right."""
     try:
-        expansion = derive(exact_string(), order, folder)
+        expansion = saved_expansion(exact_string(), order, folder)
     except StorageError as error:
         words = str(error)
         assert str(folder) in words and len(words) < 1500  # noqa: PT018
@@ -408,7 +408,7 @@ def test_texts_that_are_no_order(tmp_path: Path, text: bytes, said: str) -> None
     write(tmp_path, copy.deepcopy(SAVED))
     (tmp_path / "order-0003.json.gz").write_bytes(gzip.compress(text))
     with pytest.raises(DamagedFileError, match=rf"order-0003.json.gz is damaged: .*({said})"):
-        derive(exact_string(), 4, tmp_path)
+        saved_expansion(exact_string(), 4, tmp_path)
 
 
 def test_a_bomb_is_not_inflated(tmp_path: Path) -> None:
@@ -416,7 +416,7 @@ def test_a_bomb_is_not_inflated(tmp_path: Path) -> None:
     write(tmp_path, copy.deepcopy(SAVED))
     path = tmp_path / "order-0002.json.gz"
     bomb = gzip.compress(b"0" * (1 << 24), 9)
-    derive(exact_string(), 1, tmp_path)
+    saved_expansion(exact_string(), 1, tmp_path)
     for data, said in (
         (bomb * 64, "holds more than 65539 bytes"),
         (gzip.compress(bomb), "Expecting value|decode"),
@@ -427,7 +427,7 @@ def test_a_bomb_is_not_inflated(tmp_path: Path) -> None:
         tracemalloc.start()
         try:
             with pytest.raises(DamagedFileError, match=said):
-                derive(exact_string(), 2, tmp_path)
+                saved_expansion(exact_string(), 2, tmp_path)
             assert tracemalloc.get_traced_memory()[1] < 5_000_000
         finally:
             tracemalloc.stop()
@@ -440,7 +440,7 @@ def test_a_sound_file_with_more_behind_it_is_refused(tmp_path: Path) -> None:
     for more in (b"x", b"\0", whole):
         path.write_bytes(whole + more)
         with pytest.raises(DamagedFileError, match="something follows its end"):
-            derive(exact_string(), 2, tmp_path)
+            saved_expansion(exact_string(), 2, tmp_path)
 
 
 def test_poles_and_exponents_that_would_take_for_ever(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def test_beyond_the_last_page_the_useful_formats_are_written(
 ) -> None:
     """Of a high order nobody gets pages unasked: one line says so, and how to get them."""
     monkeypatch.setattr(formats, "LAST_PAGE", 2)
-    useful = {"string-order3.json", "string_order3.py"}
+    useful = {"string-order3.json", "string_order3.mjs", "string_order3.py"}
     assert run("derive", "--order", "3", "--out", str(tmp_path / "a")) == 0
     assert {path.name for path in (tmp_path / "a").iterdir()} == useful
     captured = capsys.readouterr()
@@ -198,7 +198,10 @@ def test_the_certificate_says_what_it_is_relative_to(capsys: pytest.CaptureFixtu
             ["derive", "--order", "two"],
             "valid integer, unable to parse string as an integer, not 'two'",
         ),
-        (["derive", "--format", "pdf"], "'pdf' is not one of 'text', 'latex', 'numpy', 'json'"),
+        (
+            ["derive", "--format", "pdf"],
+            "'pdf' is not one of 'text', 'latex', 'numpy', 'javascript', 'json'",
+        ),
         (["derive", "--style", "sine"], "'sine' is not one of 'cotangent', 'circular'"),
         (["derive", "--column", "three"], "'three' is not one of 'one', 'two'"),
         (["derive", "--plot", "x.bmp"], "ends in .pdf, .png, .svg"),

@@ -105,7 +105,7 @@ def test_files_that_cannot_be_written_are_refused_before_the_work(
     for module, function in (
         (figure2, "compute"),
         (simulation_run, "watch"),
-        (storage, "derive"),
+        (storage, "saved_expansion"),
         (asymptotics.values.evaluate, "evaluate"),
         (asymptotics.resonances.tongues, "tongue"),
         (asymptotics.resonances.folds, "fold"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -143,13 +144,47 @@ def test_bad_options_beside_a_file(
     assert reason in err
 
 
-def test_derive_writes_no_formulas_of_it(
+def test_derive_writes_the_formulas_of_it(
     problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code, _, err = said(["derive", "--problem", problem, "--out", str(tmp_path / "x")], capsys)
+    folder = tmp_path / "x"
+    order = ["--order", "2", "--out", str(folder)]
+    code, out, _ = said(["derive", "--problem", problem, *order], capsys)
+    assert code == 0
+    assert "xi_2_2 = -1/4*S1_1**2*alpha3" in out
+    assert {path.name for path in folder.iterdir()} == {
+        "rope-order2-page.tex",
+        "rope-order2.json",
+        "rope-order2.tex",
+        "rope-order2.txt",
+        "rope_order2.mjs",
+        "rope_order2.py",
+    }
+    written = json.loads((folder / "rope-order2.json").read_text())
+    assert written["contact"]["xi_1_1"] == "-S1_1"
+    assert written["parameters"] == ["kappa", "Omega"]
+    namespace: dict[str, Any] = {}
+    exec((folder / "rope_order2.py").read_text(), namespace)
+    assert abs(namespace["harmonics"](2.2, kappa=1.7)[2, 2] + 0.794087307576) < 1e-12
+
+
+@pytest.mark.parametrize("format", ["text", "latex", "numpy", "javascript", "json"])
+def test_each_format_names_the_parameters_of_the_options(
+    format: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """β and ζ are parameters of the formulas, not seventeen digits in them."""
+    options = ["--beta", "0.01", "--damping", "0.1", "--order", "2", "--format", format]
+    code, out, _ = said(["derive", *options], capsys)
+    assert code == 0
+    assert "beta" in out
+    assert "zeta" in out
+    assert "0.01" not in out.replace("epsilon, 0.01", "")
+
+
+def test_what_derive_draws_is_the_string(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = said(["derive", "--problem", problem, "--plot", "a.png"], capsys)
     assert code == 2
-    assert "formulas are written of the string" in err
-    assert not (tmp_path / "x").exists()
+    assert "evaluate --plot draws" in err
 
 
 def test_drives() -> None:

@@ -1,0 +1,144 @@
+r"""Closed forms of any rope that was written down, in its impedances.
+
+Through order N
+
+.. math:: ξ_c = ξ_0 + \mathrm{Re} \sum_{n=1}^{N} \hat ε^n \sum_{j ≥ 0} ξ_{n,j} e^{ijθ}, \qquad
+          W = W_0 + \mathrm{Re} \Bigl[ε \sum_j Λ_j(ξ) e^{ijθ}
+          + a_m \sum_{n=2}^{N} \hat ε^n \sum_j \sum_{i ≤ m−2} u^{(i)}_{n,j} Φ^{(j)}_i(ξ)
+          e^{ijθ}\Bigr],
+
+ε̂ = ε/a_m, with polynomials ξ_{n,j} and u in the generators of
+:mod:`asymptotics.problems.generators`. Φ_i^{(j)} meets the driven end at rest and has
+∂^k Φ_i = δ_ki at ξ₀ for k ≤ m − 2; Λ_j has no contact data and the drive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy
+from flint import fmpq_mpoly
+
+from asymptotics.expansion.certificates import Proof
+from asymptotics.expansion.order_loop import Expansion, Progress, expand
+from asymptotics.expansion.proof import prove
+from asymptotics.problems.generators import Generators, generator_rope, values_of
+from asymptotics.problems.moving_contact import MovingContact
+
+
+@dataclass(frozen=True, eq=False)
+class RopeForms:
+    """The closed forms of one rope; made by :func:`rope_forms`.
+
+    Attributes
+    ----------
+    rope
+        As it was written down.
+    generators
+        Which numbers tell it from others of its kind.
+    expansion
+        Over the polynomials in them.
+    """
+
+    rope: MovingContact
+    generators: Generators
+    expansion: Expansion[fmpq_mpoly]
+
+    @property
+    def order(self) -> int:
+        """N."""
+        return self.expansion.order
+
+    @cached_property
+    def sources(self) -> list[str]:
+        """The generators that the drive brings in: formulas are sorted by their powers."""
+        return [g.name for g in self.generators.listed() if g.kind == "source"]
+
+    def contact(self, n: int, j: int) -> fmpq_mpoly:
+        """ξ_{n,j}; zero where there is none."""
+        c = self.expansion.contact(n).get(j, self.expansion.problem.ring.zero)
+        return c if j == 0 else c + c
+
+    def data(self, n: int, j: int) -> tuple[fmpq_mpoly, ...]:
+        """u^{(0)}_{n,j}, …, u^{(m−2)}_{n,j}."""
+        values = self.expansion.shape(n)[j][: self.generators.contact_order - 1]
+        return values if j == 0 else tuple(u + u for u in values)
+
+    def places(self) -> list[tuple[int, int]]:
+        """(n, j) of all ξ_{n,j}."""
+        N = self.order
+        return [(n, j) for n in range(1, N + 1) for j in sorted(self.expansion.contact(n))]
+
+    def shapes(self) -> list[tuple[int, int]]:
+        """(n, j) of all u_{n,j}, n ≥ 2, that do not vanish."""
+        found = [(n, j) for n in range(2, self.order + 1) for j in sorted(self.expansion.shape(n))]
+        return [place for place in found if any(not u.is_zero() for u in self.data(*place))]
+
+    def prove(self, progress: Progress | None = None) -> Proof:
+        """Each order put back into the contact conditions, whatever the generators' values.
+
+        The equation and the driven end, which define the generators, are proved in numbers: see
+        :func:`asymptotics.prove` of ``expand(rope, …, at=…)``.
+        """
+        return prove(self.expansion, progress=progress)
+
+    def values(self, at: Mapping[Any, Any]) -> dict[str, Any]:
+        """The generators' values, and a_m as ``a_m``, at values of the rope's parameters.
+
+        Raises
+        ------
+        InputError, PrecisionError
+            As :meth:`~asymptotics.problems.moving_contact.MovingContact.at`.
+
+        Examples
+        --------
+        >>> from asymptotics.problems.presets import string
+        >>> from asymptotics.rings.ring import FloatRing
+        >>> forms = rope_forms(string(foundation=1.7), 2)
+        >>> values = forms.values({"Omega": 2.2})
+        >>> ring = forms.expansion.problem.ring
+        >>> found = ring.evaluate(forms.contact(2, 2), values, FloatRing())
+        >>> round(found / values["a_m"] ** 2, 12)
+        -0.794087307576
+        """
+        problem = self.rope.at(at)
+        return {**values_of(problem, self.generators), "a_m": 1 / problem.inverse_leading}
+
+
+def rope_forms(rope: MovingContact, order: int, progress: Progress | None = None) -> RopeForms:
+    """The closed forms of a rope through an order.
+
+    Raises
+    ------
+    InputError
+        ``order`` is no whole number ≥ 1.
+
+    Examples
+    --------
+    >>> from asymptotics.problems.presets import string
+    >>> rope_forms(string(foundation=1.7), 2).contact(1, 1)
+    -S1_1
+    """
+    harmonics = sorted({abs(j) for c in rope.driven_end for j in c.drive})
+    generators = Generators(rope.contact_order, tuple(harmonics), order, is_even(rope))
+    return RopeForms(rope, generators, expand(generator_rope(generators), order, None, progress))
+
+
+def is_even(rope: MovingContact) -> bool:
+    """Whether the state is even in τ whatever the parameters: no odd ∂_τ, no sine in the drive.
+
+    >>> from asymptotics.problems.presets import string
+    >>> is_even(string(foundation=1.7)), is_even(string(damping=0.1))
+    (True, False)
+    """
+    statements = [rope.equation.terms, *(condition.terms for condition in rope.driven_end)]
+    if any(t % 2 for terms in statements for _, t in terms):
+        return False
+    return all(
+        sympy.expand(amplitude - c.drive.get(-j, 0)) == 0
+        for c in rope.driven_end
+        for j, amplitude in c.drive.items()
+    )
