@@ -124,7 +124,7 @@ def derive(
     >>> print(derive(order=2).proof[2])
     order 2: proved (PDE residual 0, driven end 0, contact 0; harmonics 0, 2 non-zero)
     >>> from asymptotics.problems.presets import beam
-    >>> derive(order=1, rope=beam())._repr_latex_()[19:-15].replace(chr(92), "")
+    >>> derive(order=1, rope=beam())._repr_latex_()[17:-15].replace(chr(92), "")
     'xi_{1}&=-frac{1}{a_{3}}S^{(1)}_{2}cos theta'
     """
     order = check_order(order)

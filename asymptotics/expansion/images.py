@@ -15,13 +15,14 @@ from its values on unit vectors; these are mapped.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from asymptotics.expansion.order_loop import Expansion, Order
-from asymptotics.problems.problem import Mode, Problem
+from asymptotics.problems.problem import Ground, Mode, Problem
 from asymptotics.rings.harmonics import Harmonics
 from asymptotics.rings.ring import E, Element, Ring
 
@@ -62,6 +63,28 @@ def image_of_problem(problem: Problem[E], ring: Ring[F], value: Callable[[E], F]
         end_unit=cache(lambda j: row(problem.end_unit(j))),
         load=tuple(map(value, problem.load)),
         static_end_residual=static_end_residual,
+        ground=None if problem.ground is None else _image_of_ground(problem, ring, row),
+    )
+
+
+def _image_of_ground(
+    problem: Problem[E], ring: Ring[F], row: Callable[[Sequence[E]], tuple[F, ...]]
+) -> Ground[F]:
+    ground = problem.ground
+    assert ground is not None
+    beyond = replace(
+        problem,
+        equation_residual=ground.equation_residual,
+        end_residual=ground.end_residual,
+    )
+    weights = _Weights(beyond, row)
+    return Ground(
+        static=cache(lambda d: row([ground.static(d)])[0]),
+        static_reduction=row(ground.static_reduction),
+        reduction=cache(lambda j: row(ground.reduction(j))),
+        equation_residual=lambda j, w: _inner(weights.equation(j), w, ring),
+        load=row(ground.load),
+        end_residual=lambda j, w: tuple(_inner(x, w, ring) for x in weights.end(j)),
     )
 
 

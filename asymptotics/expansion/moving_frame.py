@@ -22,13 +22,14 @@ with its complex conjugate added, and its G_{k,l} are complex functions of θ, s
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any, Generic
 
 from asymptotics.expansion.order_loop import Expansion, Progress, derivative_towers
 from asymptotics.expansion.rounded import RoundedExpansion
 from asymptotics.expansion.swept import SweptExpansion
+from asymptotics.problems.problem import ContactCondition, Ground, Problem
 from asymptotics.rings.harmonics import (
     Harmonics,
     Terms,
@@ -55,11 +56,27 @@ class MovingFrame(Generic[E]):
         ``static[l][n]``: Fourier coefficients of G_l at order n.
     modes
         ``modes[k][l][n]``: the same of G_{k,l}; on both sides when k > 0 and the ring is not even.
+    right
+        Where the ground gives way, the same of the rope beyond the contact point, s > 0.
     """
 
     expansion: Expansion[E]
     static: tuple[Series[E], ...]
     modes: dict[int, tuple[Series[E], ...]]
+    right: MovingFrame[E] | None = None
+
+    def left_at_contact(self, condition: ContactCondition, n: int) -> Harmonics[E]:
+        """What order n leaves of a contact condition at s = 0: nothing, if it is right."""
+        left = self.slope_at_contact(condition.derivative, n)
+        if not condition.jump:
+            return left
+        assert self.right is not None
+        ring = self.expansion.problem.ring
+        minus = ring.rational(-1)
+        terms: Terms[E] = {j: [minus * c] for j, c in left.items()}
+        for j, c in self.right.slope_at_contact(condition.derivative, n).items():
+            terms.setdefault(j, []).append(c)
+        return collect(terms, ring)
 
     def slope_at_contact(self, l: int, n: int) -> Harmonics[E]:  # noqa: E741
         """∂^l W at s = 0, order n; l below every r."""
@@ -86,18 +103,29 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
         return _rounded_frame(expansion, progress)
     if isinstance(expansion, SweptExpansion) and expansion.is_swept():
         return _swept_frame(expansion, progress)
+    ground = expansion.problem.ground
+    if ground is None:
+        return _one_side(expansion, None, progress)
+    right = _one_side(expansion, ground, progress)
+    return replace(_one_side(expansion, None, progress), right=right)
+
+
+def _one_side(
+    expansion: Expansion[E], ground: Ground[E] | None, progress: Progress | None
+) -> MovingFrame[E]:
+    """Left of the contact point, or on the ground right of it."""
     problem, last = expansion.problem, expansion.order
     ring = problem.ring
-    derivative = derivative_towers(expansion)
+    derivative = derivative_towers(expansion, right=ground is not None)
+    reduction = (lambda j: problem.mode(j).reduction) if ground is None else ground.reduction
+    static_side: Problem[E] | Ground[E] = problem if ground is None else ground
     first = {}
     for n in range(last, 0, -1):
         for k in expansion.shape(n):
             first[k] = n
-    shifts = {
-        k: _Shift(ring, problem.mode(k).reduction, last - start) for k, start in first.items()
-    }
-    static_shift = _Shift(ring, problem.static_reduction, last)
-    R = len(problem.static_reduction)
+    shifts = {k: _Shift(ring, reduction(k), last - start) for k, start in first.items()}
+    static_shift = _Shift(ring, static_side.static_reduction, last)
+    R = len(static_side.static_reduction)
     static: tuple[Series[E], ...] = tuple([] for _ in range(R))
     modes: dict[int, tuple[Series[E], ...]] = {
         k: tuple([] for _ in range(shift.degree)) for k, shift in shifts.items()
@@ -108,7 +136,7 @@ def moving_frame(expansion: Expansion[E], progress: Progress | None = None) -> M
         for l in range(R):  # noqa: E741
             terms: Terms[E] = {}
             for i in range(R):
-                value = problem.static(l + i)
+                value = static_side.static(l + i)
                 if not ring.is_zero(value):
                     _multiply_into(terms, static_shift.series[i][n], {0: value}, ring)
             static[l].append(_half(collect(terms, ring)))
@@ -136,15 +164,22 @@ def _rounded_frame(expansion: RoundedExpansion, progress: Progress | None) -> Mo
     def groups(frame: MovingFrame[Any]) -> Iterator[Iterable[Any]]:
         for orders in zip(*chain(frame.static, *frame.modes.values()), strict=True):
             yield [c for harmonics in orders for c in harmonics.values()]
+        if frame.right is not None:
+            yield from groups(frame.right)
 
     def rounded(series: Series[Any]) -> Series[Any]:
         name = expansion.problem.name
         return [{j: to_double(c, name) for j, c in harmonics.items()} for harmonics in series]
 
     frame = expansion.certain(lambda balls: moving_frame(balls, progress), groups, progress)
-    static = tuple(rounded(series) for series in frame.static)
-    modes = {k: tuple(rounded(series) for series in rows) for k, rows in frame.modes.items()}
-    return MovingFrame(expansion, static, modes)
+
+    def each(frame: MovingFrame[Any]) -> MovingFrame[Any]:
+        static = tuple(rounded(series) for series in frame.static)
+        modes = {k: tuple(rounded(series) for series in rows) for k, rows in frame.modes.items()}
+        right = None if frame.right is None else each(frame.right)
+        return MovingFrame(expansion, static, modes, right)
+
+    return each(frame)
 
 
 def _swept_frame(expansion: SweptExpansion, progress: Progress | None) -> MovingFrame[Any]:

@@ -8,6 +8,10 @@ order by order in ε (the paper's eq. BC3 to every order). Both factors are unkn
 triangularly: at order n, conditions e ≤ m − 2 do not contain ξ_n and give the contact data of w_n;
 the impedances give all its other derivatives; condition e = m − 1 then gives ξ_n.
 
+The loop reads its conditions from a list: which derivative of which side; the last one determines
+ξ_n, the others are the contact data. On a ground that gives way these are that nothing jumps,
+:math:`\sum δ^d/d!\,[∂^{d+e}W] = 0` for e < r, and W = 0 from the left is the last.
+
 The sums are nested as in Horner's rule. With T_d = ∂^d W(ξ₀) and
 
 .. math:: H^{(e)}_d = T_{d+e} + \frac{δ}{d+1} H^{(e)}_{d+1}, \qquad ∂_ξ^e W(ξ_c) = H^{(e)}_0,
@@ -25,7 +29,7 @@ from typing import Any, Generic, Protocol
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
-from asymptotics.problems.problem import Problem
+from asymptotics.problems.problem import ContactCondition, Problem
 from asymptotics.rings.harmonics import Harmonics, Terms, collect, multiply_into
 from asymptotics.rings.ring import E
 
@@ -48,9 +52,10 @@ class Order(Generic[E]):
     contact
         ξ_n as Fourier coefficients ``{j: c_j}``, ξ_n = c₀ + Σ 2 c_j cos jθ.
     shape
-        For each harmonic j of w_n its first r derivatives at ξ₀.
+        For each harmonic j of w_n its first r derivatives at ξ₀; from the left and then from the
+        right where the ground gives way.
     tails
-        ``tails[e][d − 1]`` is H^{(e)}_d at order n − d, for d = 1 … n − 1.
+        ``tails[e][d − 1]`` is H^{(e)}_d at order n − d, for d = 1 … n − 1; e counts the conditions.
     """
 
     contact: Harmonics[E]
@@ -93,15 +98,32 @@ class _Towers(Generic[E]):
     def __init__(self, problem: Problem[E]) -> None:
         self.problem = problem
         self.known: dict[tuple[int, int], list[E]] = {}
+        self.beyond: dict[tuple[int, int], list[E]] = {}
 
     def add(self, n: int, shape: dict[int, tuple[E, ...]]) -> None:
         for j, start in shape.items():
-            self.known[n, j] = list(start)
+            r = len(self.problem.mode(j).reduction)
+            self.known[n, j] = list(start[:r])
+            if self.problem.ground is not None:
+                self.beyond[n, j] = list(start[r:])
+
+    def at(self, condition: ContactCondition, n: int, j: int, d: int) -> E:
+        """∂^d of what a condition is about."""
+        left = self.derivative(n, j, d)
+        if not condition.jump:
+            return left
+        ring = self.problem.ring
+        return ring.sum([self.right(n, j, d), ring.rational(-1) * left])
 
     def derivative(self, n: int, j: int, d: int) -> E:
-        tower = self.known[n, j]
-        ring, reduction = self.problem.ring, self.problem.mode(j).reduction
-        r = len(reduction)
+        return self._grown(self.known[n, j], self.problem.mode(j).reduction, d)
+
+    def right(self, n: int, j: int, d: int) -> E:
+        assert self.problem.ground is not None
+        return self._grown(self.beyond[n, j], self.problem.ground.reduction(j), d)
+
+    def _grown(self, tower: list[E], reduction: tuple[E, ...], d: int) -> E:
+        ring, r = self.problem.ring, len(reduction)
         while len(tower) <= d:
             below = tower[-r:]
             tower.append(
@@ -116,12 +138,15 @@ class _Towers(Generic[E]):
         return tower[d]
 
 
-def derivative_towers(expansion: Expansion[E]) -> Callable[[int, int, int], E]:
-    """(n, j, d) ↦ ∂^d of harmonic j of w_n at ξ₀, for an expansion already computed."""
+def derivative_towers(expansion: Expansion[E], right: bool = False) -> Callable[[int, int, int], E]:
+    """(n, j, d) ↦ ∂^d of harmonic j of w_n at ξ₀, for an expansion already computed.
+
+    ``right`` asks for those beyond the contact point, of a ground that gives way.
+    """
     towers = _Towers(expansion.problem)
     for n, order in enumerate(expansion.orders, start=1):
         towers.add(n, order.shape)
-    return towers.derivative
+    return towers.right if right else towers.derivative
 
 
 def expand(
@@ -209,37 +234,38 @@ def expansions(
 
 def _next_order(problem: Problem[E], orders: list[Order[E]], towers: _Towers[E]) -> Order[E]:
     """Order n = len(orders) + 1 from all orders before it."""
-    n, m, ring = len(orders) + 1, problem.contact_order, problem.ring
+    n, ring, conditions = len(orders) + 1, problem.ring, problem.conditions
     tails: list[tuple[Harmonics[E], ...]] = []
-    conditions: list[Terms[E]] = []
-    for e in range(m):
+    left: list[Terms[E]] = []
+    for index, condition in enumerate(conditions):
         diagonal: list[Harmonics[E]] = []
         for d in range(n - 1, 0, -1):
-            terms = _delta_times_tail(problem, orders, diagonal, e, d, n)
+            terms = _delta_times_tail(problem, orders, diagonal, index, d, n)
             inverse = ring.rational(1, d + 1)
             scaled = {j: [inverse * x for x in xs] for j, xs in terms.items()}
             for j in orders[n - d - 1].shape:
-                scaled.setdefault(j, []).append(towers.derivative(n - d, j, d + e))
+                value = towers.at(condition, n - d, j, d + condition.derivative)
+                scaled.setdefault(j, []).append(value)
             diagonal.append(collect(scaled, ring))
-        conditions.append(_delta_times_tail(problem, orders, diagonal, e, 0, n))
+        left.append(_delta_times_tail(problem, orders, diagonal, index, 0, n))
         tails.append(tuple(reversed(diagonal)))
-    shape = _shape(problem, conditions[: m - 1], n)
-    slope = conditions[m - 1]
+    shape = _shape(problem, left[:-1], n)
+    last = left[-1]
     for j, start in shape.items():
-        slope.setdefault(j, []).append(start[m - 1])
+        last.setdefault(j, []).append(start[conditions[-1].derivative])
     minus = ring.sum([ring.rational(-1) * problem.inverse_leading])
-    return Order(collect(slope, ring, minus), shape, tuple(tails))
+    return Order(collect(last, ring, minus), shape, tuple(tails))
 
 
 def _delta_times_tail(
     problem: Problem[E],
     orders: list[Order[E]],
     diagonal: list[Harmonics[E]],
-    e: int,
+    index: int,
     d: int,
     n: int,
 ) -> Terms[E]:
-    """The known part of δ · H^{(e)}_{d+1} at order n − d, before the factor 1/(d + 1).
+    """The known part of δ · H_{d+1} of a condition at order n − d, before the factor 1/(d + 1).
 
     ``diagonal`` holds the tails of order n found so far, from d = n − 1 downwards. For d = 0 the
     term ξ_n a_{e+1} is left out: it is what the last condition determines.
@@ -249,10 +275,11 @@ def _delta_times_tail(
     length = n - d
     for k in range(1, length):
         # H_{d+1} at order n − d − k: computed at this order for k = 1, at an earlier one otherwise.
-        index = d + 1 + length - k
-        tail = diagonal[n - d - 2] if index == n else orders[index - 1].tails[e][d]
+        order = d + 1 + length - k
+        tail = diagonal[n - d - 2] if order == n else orders[order - 1].tails[index][d]
         multiply_into(terms, orders[k - 1].contact, tail, ring)
-    static = problem.static(d + 1 + e)
+    condition = problem.conditions[index]
+    static = problem.static_at(condition, d + 1 + condition.derivative)
     if d > 0 and not ring.is_zero(static):
         multiply_into(terms, orders[length - 1].contact, {0: static}, ring)
     return terms

@@ -36,6 +36,7 @@ from asymptotics.expansion.modular import wrong_tails
 from asymptotics.expansion.moving_frame import MovingFrame, moving_frame
 from asymptotics.expansion.order_loop import Expansion, Progress, derivative_towers
 from asymptotics.expansion.verdicts import Kind, allowed_by_rounding, kind_of, verdict
+from asymptotics.problems.problem import Ground, Problem
 from asymptotics.rings.cotangent import CotangentRing
 from asymptotics.rings.harmonics import reachable
 from asymptotics.rings.ring import E, Ring
@@ -157,22 +158,30 @@ def residuals(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> Residua
         return _static_residuals(expansion, frame)
     problem, shape = expansion.problem, expansion.shape(n)
     derivative = derivative_towers(expansion)
-    depth = expansion.order - n + problem.contact_order
+    r = len(problem.mode(0).reduction)
+    depth = expansion.order - n + (problem.contact_order if problem.ground is None else r)
     equation = {
-        (j, d): problem.equation_residual(
-            j, [derivative(n, j, d + i) for i in range(len(start) + 1)]
-        )
-        for j, start in shape.items()
+        (j, d): problem.equation_residual(j, [derivative(n, j, d + i) for i in range(r + 1)])
+        for j in shape
         for d in range(depth)
     }
     ends: dict[tuple[int, int], E] = {}
     for j, start in shape.items():
-        left = problem.end_residual(j, start)
+        left = problem.end_residual(j, start[:r])
         if n == 1 and j in problem.drive:
             minus = problem.ring.rational(-1) * problem.drive[j]
             pairs = zip(left, problem.end_unit(j), strict=True)
             left = tuple(problem.ring.sum([x, minus * unit]) for x, unit in pairs)
         ends |= {(i, j): x for i, x in enumerate(left)}
+    ground = problem.ground
+    if ground is not None:
+        beyond = derivative_towers(expansion, right=True)
+        for j, start in shape.items():
+            far = ground.end_residual(j, start[r:])
+            ends |= {(len(ends) + i, -1 - j): x for i, x in enumerate(far)}
+            for d in range(depth):
+                w = [beyond(n, j, d + i) for i in range(r + 1)]
+                equation[-1 - j, d] = ground.equation_residual(j, w)
     return Residuals(equation, ends, _contact_residuals(frame, n))
 
 
@@ -191,14 +200,31 @@ def _static_residuals(expansion: Expansion[E], frame: MovingFrame[E]) -> Residua
         lower = [chi * static(d + i) for i, chi in enumerate(reduction)]
         equation[1, d] = ring.sum([minus * static(d + R), *lower])
     ends = {(i, 0): x for i, x in enumerate(problem.static_end_residual(static))}
+    if problem.ground is not None:
+        equation |= _static_beyond(problem, problem.ground, expansion.order)
     return Residuals(equation, ends, _contact_residuals(frame, 0))
+
+
+def _static_beyond(problem: Problem[E], ground: Ground[E], order: int) -> dict[tuple[int, int], E]:
+    """What the rope at rest leaves of its equation where it lies on a ground that gives way."""
+    ring, static, reduction = problem.ring, ground.static, ground.static_reduction
+    minus, r, R = ring.rational(-1), len(problem.mode(0).reduction), len(reduction)
+    found = {}
+    for d in range(order + 1):
+        terms = [ground.equation_residual(0, [static(d + i) for i in range(r + 1)])]
+        if d < len(ground.load):
+            terms.append(minus * ground.load[d])
+        found[2, d] = ring.sum(terms)
+        lower = [chi * static(d + i) for i, chi in enumerate(reduction)]
+        found[3, d] = ring.sum([minus * static(d + R), *lower])
+    return found
 
 
 def _contact_residuals(frame: MovingFrame[E], n: int) -> dict[tuple[int, int], E]:
     return {
-        (e, j): c
-        for e in range(frame.expansion.problem.contact_order)
-        for j, c in frame.slope_at_contact(e, n).items()
+        (index, j): c
+        for index, condition in enumerate(frame.expansion.problem.conditions)
+        for j, c in frame.left_at_contact(condition, n).items()
     }
 
 

@@ -22,6 +22,7 @@ from typing import Any
 import sympy
 from flint import fmpq_mpoly
 
+from asymptotics.errors import InputError
 from asymptotics.expansion.certificates import Proof
 from asymptotics.expansion.order_loop import Expansion, Progress, expand
 from asymptotics.expansion.proof import prove
@@ -114,7 +115,7 @@ def rope_forms(rope: MovingContact, order: int, progress: Progress | None = None
     Raises
     ------
     InputError
-        ``order`` is no whole number ≥ 1.
+        ``order`` is no whole number ≥ 1, or the rope lies on springs.
 
     Examples
     --------
@@ -122,6 +123,11 @@ def rope_forms(rope: MovingContact, order: int, progress: Progress | None = None
     >>> rope_forms(string(foundation=1.7), 2).contact(1, 1)
     -S1_1
     """
+    if rope.springs != 0:
+        raise InputError(
+            f"{rope}: formulas in impedances are of ropes on a ground that does not give way; "
+            "expand(rope, order, at=…) has this one's numbers"
+        )
     harmonics = sorted({abs(j) for c in rope.driven_end for j in c.drive})
     generators = Generators(rope.contact_order, tuple(harmonics), order, is_even(rope))
     return RopeForms(rope, generators, expand(generator_rope(generators), order, None, progress))

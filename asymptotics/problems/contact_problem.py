@@ -8,19 +8,27 @@ from functools import cache, lru_cache
 from typing import Any
 
 import sympy
-from flint import acb, arb, ctx
+from flint import acb, ctx
 
 from asymptotics.errors import InputError
+from asymptotics.problems.compliant import (
+    allowed,
+    derivatives,
+    ground_of,
+    growth_rates,
+    on_springs,
+    stiffness,
+    two_sided,
+)
 from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.fundamental import Propagator, product, solve
 from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.problems.problem import Mode, Problem
+from asymptotics.problems.rounded_problem import rounded_problem
 from asymptotics.problems.static_contact import Values, check_static_shape, static_data
 from asymptotics.rings.balls import AcbRing, ArbRing
 from asymptotics.rings.pickling import remembering
-from asymptotics.rings.precision import PrecisionError, at_precision, until
-from asymptotics.rings.ring import ComplexRing, FloatRing
-from asymptotics.rings.rounding import accurate, to_double
+from asymptotics.rings.precision import PrecisionError
 
 
 class Enclosed:
@@ -29,12 +37,19 @@ class Enclosed:
     def __init__(self, rope: MovingContact, values: Values) -> None:
         self.rope, self.values = rope, dict(values)
         self.omega = enclose(sympy.Symbol("Omega"), self.values)
-        self.m, self.r = rope.contact_order, rope.order
+        self.r = rope.order
+        # With n conditions at the driven end r − n numbers are free there: the contact data, or the
+        # solutions that the springs leave.
+        self.free = self.r - len(rope.driven_end)
+        self.springs = stiffness(rope, self.values) if rope.springs != 0 else None
         self.drive = [self._amplitudes(dict(c.drive)) for c in rope.driven_end]
         self.harmonics = sorted({j for row in self.drive for j in row})
-        self.even = self._is_even()
+        self.even = self.springs is None and self._is_even()
         self.ring: Any = ArbRing() if self.even else AcbRing()
         self.static = static_data(rope, self.values)
+        if self.springs is not None:
+            self.static_beyond = self.static.on_springs(self.springs)
+        self.beyond = cache(self._beyond)
         self.mode, self.end_rows = cache(self._mode), cache(self._end_rows)
 
     def _amplitudes(self, drive: dict[int, sympy.Expr]) -> dict[int, acb]:
@@ -98,22 +113,31 @@ class Enclosed:
         return ball.real if self.even else ball
 
     def _mode(self, j: int) -> Mode[Any]:
-        m, r, what = self.m, self.r, f"harmonic {j}"
+        r, free, what = self.r, self.free, f"harmonic {j}"
         equation = self.propagator(j)
         reduction = [-c / equation.coefficients[r] for c in equation.coefficients[:r]]
         table = product(self.rows(j), equation.backwards(self.static.point))
-        block = [row[m - 1 :] for row in table]
-        impedance = []
-        for i in range(m - 1):
-            found = solve(block, [-row[i] for row in table], what)
-            impedance.append([*(acb(k == i) for k in range(m - 1)), *found])
-        source = [acb(0)] * (m - 1) + solve(block, self.amplitudes(j), what)
+        if self.springs is not None:
+            impedance, source = two_sided(table, self.amplitudes(j), self.beyond(j), what)
+        else:
+            block, impedance = [row[free:] for row in table], []
+            for i in range(free):
+                found = solve(block, [-row[i] for row in table], what)
+                impedance.append([*(acb(k == i) for k in range(free)), *found])
+            source = [acb(0)] * free + solve(block, self.amplitudes(j), what)
         element = self.element
         return Mode(
             tuple(map(element, reduction)),
             tuple(tuple(map(element, row)) for row in impedance),
             tuple(map(element, source)),
         )
+
+    def _beyond(self, j: int) -> list[list[acb]]:
+        """Rows ∂^d at ξ₀ of what harmonic j may be on springs."""
+        assert self.springs is not None
+        there = on_springs(self.propagator(j).coefficients, self.springs)
+        growth = growth_rates(self.rope, self.values, j, self.r)
+        return derivatives(allowed(there, growth, f"harmonic {j}"), self.r)
 
     def equation_residual(self, j: int, w: Sequence[Any]) -> Any:
         """The polynomials c_k themselves, on w, w′, …."""
@@ -127,12 +151,12 @@ class Enclosed:
         """
         equation = self.propagator(j)
         table = product(self.rows(j), equation.stepwise(self.static.point))
-        block, what = [row[self.m - 1 :] for row in table], f"driven end of harmonic {j}"
-        columns = [solve(block, [row[i] for row in table], what) for i in range(self.m - 1)]
+        block, what = [row[self.free :] for row in table], f"driven end of harmonic {j}"
+        columns = [solve(block, [row[i] for row in table], what) for i in range(self.free)]
         unit = solve(block, self.amplitudes(j), what)
         count = len(unit)
         rows = [
-            [*(columns[i][k] for i in range(self.m - 1)), *(acb(k == i) for i in range(count))]
+            [*(columns[i][k] for i in range(self.free)), *(acb(k == i) for i in range(count))]
             for k in range(count)
         ]
         return [[self.element(x) for x in row] for row in rows], [self.element(x) for x in unit]
@@ -141,8 +165,8 @@ class Enclosed:
         """The same for the static shape: rows on a_0 … a_{r−1} and what they leave without any."""
         static = self.static
         table = product(self.rows(0), static.propagator.stepwise(static.point))
-        block, what = [row[self.m - 1 : self.r] for row in table], "driven end at rest"
-        columns = [solve(block, [row[i] for row in table], what) for i in range(self.m - 1)]
+        block, what = [row[self.free : self.r] for row in table], "driven end at rest"
+        columns = [solve(block, [row[i] for row in table], what) for i in range(self.free)]
         left = [
             sum((row[self.r + p] * x for p, x in enumerate(static.load)), -constant)
             for row, constant in zip(table, static.constants, strict=True)
@@ -150,7 +174,7 @@ class Enclosed:
         constants = solve(block, left, what)
         count = len(constants)
         rows = [
-            [*(columns[i][k] for i in range(self.m - 1)), *(acb(k == i) for i in range(count))]
+            [*(columns[i][k] for i in range(self.free)), *(acb(k == i) for i in range(count))]
             for k in range(count)
         ]
         return [[self.element(x) for x in row] for row in rows], [
@@ -199,18 +223,19 @@ def enclosed_problem(rope: MovingContact, values: Values) -> Problem[Any]:
     return Problem(
         name=_named(rope, values, " in balls"),
         ring=ring,
-        contact_order=made.m,
+        contact_order=rope.contact_order,
         static=cache(lambda d: made.element(static.derivative(d))),
         static_reduction=tuple(map(made.element, static.reduction)),
         mode=made.mode,
         drive=dict.fromkeys(made.harmonics, ring.one),
-        inverse_leading=made.element(1 / static.derivative(made.m)),
+        inverse_leading=made.element(1 / static.derivative(rope.contact_order)),
         equation_residual=made.equation_residual,
         end_residual=end_residual,
         end_unit=lambda j: tuple(made.end_rows(j)[1]),
         load=tuple(map(made.element, static.load)),
         static_end_residual=static_end_residual,
         rest=made.element(acb(static.point)),
+        ground=None if made.springs is None else ground_of(made),
     )
 
 
@@ -219,82 +244,7 @@ def _inner(ring: Any, row: Sequence[Any], w: Sequence[Any]) -> Any:
 
 
 @remembering
-def rounded_problem(rope: MovingContact, values: Values) -> Problem[Any]:
+def double_problem(rope: MovingContact, values: Values) -> Problem[Any]:
     """The problem in doubles, each rounded from balls; its expansion is, too."""
     check_static_shape(rope, dict(values))
-
-    def at_bits() -> Enclosed:
-        return _enclosed(rope, values, ctx.prec)
-
-    name = _named(rope, values, "")
-
-    def numbers(pick: Callable[[Enclosed], Sequence[Any]]) -> tuple[Any, ...]:
-        def settled(balls: Sequence[Any]) -> bool:
-            return all(accurate([ball]) or bool(abs(ball) < arb(2) ** -1074) for ball in balls)
-
-        found, bits = until(settled, lambda: pick(at_bits()), name)
-        with at_precision(bits):
-            return tuple(to_double(ball, name) for ball in found)
-
-    first, _ = until(lambda made: True, at_bits, name)
-    ring: Any = FloatRing() if first.even else ComplexRing()
-    m, r = rope.contact_order, rope.order
-    n = r - m + 1
-
-    @cache
-    def mode(j: int) -> Mode[Any]:
-        def flat(made: Enclosed) -> list[Any]:
-            mode = made.mode(j)
-            return [*mode.reduction, *mode.source, *(x for row in mode.impedance for x in row)]
-
-        found = numbers(flat)
-        rows = [found[2 * r + i * r : 2 * r + (i + 1) * r] for i in range(m - 1)]
-        return Mode(found[:r], tuple(rows), found[r : 2 * r])
-
-    @cache
-    def end_rows(j: int) -> tuple[Any, ...]:
-        return numbers(lambda made: [x for row in made.end_rows(j)[0] for x in row])
-
-    @cache
-    def static_rows() -> tuple[Any, ...]:
-        return numbers(
-            lambda made: [
-                x
-                for row, constant in zip(*made.static_end_rows(), strict=True)
-                for x in (*row, constant)
-            ]
-        )
-
-    @cache
-    def coefficients(j: int) -> tuple[Any, ...]:
-        return numbers(
-            lambda made: [made.element(c) for c in made.rates(rope.equation.terms, j, r + 1)]
-        )
-
-    def static_end_residual(a: Callable[[int], Any]) -> tuple[Any, ...]:
-        table, first = static_rows(), [a(d) for d in range(r)]
-        rows = [table[k * (r + 1) : (k + 1) * (r + 1)] for k in range(n)]
-        return tuple(ring.sum([row[r], _inner(ring, row[:r], first)]) for row in rows)
-
-    def one(pick: Callable[[Enclosed], Any]) -> Any:
-        return numbers(lambda made: [pick(made)])[0]
-
-    return Problem(
-        name=name,
-        ring=ring,
-        contact_order=m,
-        static=cache(lambda d: one(lambda made: made.element(made.static.derivative(d)))),
-        static_reduction=numbers(lambda made: [made.element(x) for x in made.static.reduction]),
-        mode=mode,
-        drive=dict.fromkeys(first.harmonics, ring.one),
-        inverse_leading=one(lambda made: made.element(1 / made.static.derivative(m))),
-        equation_residual=lambda j, w: _inner(ring, coefficients(j), w),
-        end_residual=lambda j, w: tuple(
-            _inner(ring, end_rows(j)[k * r : (k + 1) * r], w) for k in range(n)
-        ),
-        end_unit=cache(lambda j: numbers(lambda made: made.end_rows(j)[1])),
-        load=numbers(lambda made: [made.element(x) for x in made.static.load]),
-        static_end_residual=static_end_residual,
-        rest=one(lambda made: made.element(acb(made.static.point))),
-        balls=lambda: enclosed_problem(rope, values),
-    )
+    return rounded_problem(_named(rope, values, ""), lambda: enclosed_problem(rope, values))

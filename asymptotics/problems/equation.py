@@ -207,7 +207,9 @@ def equation(statement: Any, known: Letters) -> Linear:
     return found
 
 
-def contact_order(conditions: Sequence[Any], known: Letters, r: int) -> int:
+def contact_order(
+    conditions: Sequence[Any], known: Letters, r: int, *, on_springs: bool = False
+) -> int:
     """m, when the conditions are W = W_ξ = … = ∂^{m−1}W = 0 in some order.
 
     Raises
@@ -225,6 +227,13 @@ def contact_order(conditions: Sequence[Any], known: Letters, r: int) -> int:
             )
         orders.append(found.order)
     m = len(orders)
+    if on_springs:
+        if orders != [0]:
+            raise InputError(
+                f"contact: on springs the rope's height alone vanishes where it meets them; give "
+                f"[W], not {[derivative(k, 0) for k in orders]}"
+            )
+        return 1
     if sorted(orders) != list(range(m)) or not 1 < m <= r:
         names = ", ".join(derivative(k, 0) for k in range(m or 1))
         raise InputError(

@@ -64,6 +64,8 @@ class MovingContact:
         g(ξ).
     letters
         What its symbols stand for.
+    springs
+        κ of a ground that gives way; 0 for one that does not.
     """
 
     equation: Linear
@@ -71,6 +73,7 @@ class MovingContact:
     contact_order: int
     ground: sympy.Expr
     letters: Letters
+    springs: sympy.Expr = sympy.S.Zero
 
     @property
     def order(self) -> int:
@@ -87,7 +90,7 @@ class MovingContact:
         return (*sorted(names - reserved), "Omega")
 
     def _expressions(self) -> list[sympy.Expr]:
-        found = [*self.equation.terms.values(), self.equation.right, self.ground]
+        found = [*self.equation.terms.values(), self.equation.right, self.ground, self.springs]
         for condition in self.driven_end:
             found += [*condition.terms.values(), condition.constant, *condition.drive.values()]
         return found
@@ -146,7 +149,7 @@ class MovingContact:
         PrecisionError
             Ω is at a resonance, or so close that 8192 bits do not tell.
         """
-        from asymptotics.problems.contact_problem import enclosed_problem, rounded_problem
+        from asymptotics.problems.contact_problem import double_problem, enclosed_problem
 
         if any(isinstance(value, np.ndarray | list) for value in (at or {}).values()):
             from asymptotics.problems.swept_rope import swept_problem
@@ -157,14 +160,15 @@ class MovingContact:
             return enclosed_problem(self, values)
         if arithmetic != "doubles":
             raise InputError(f"arithmetic = {arithmetic!r}; choose doubles or balls")
-        return rounded_problem(self, values)
+        return double_problem(self, values)
 
     def __str__(self) -> str:
         ends = [
             f"{_sum(c.terms)} = {c.constant + self.letters.epsilon * c.forcing}"
             for c in self.driven_end
         ]
-        return f"rope {_sum(self.equation.terms)} = {self.equation.right}, {', '.join(ends)}"
+        on = f", on springs {self.springs}" if self.springs != 0 else ""
+        return f"rope {_sum(self.equation.terms)} = {self.equation.right}, {', '.join(ends)}{on}"
 
 
 def _sum(terms: Mapping[tuple[int, int], sympy.Expr]) -> str:
@@ -182,6 +186,7 @@ def moving_contact(
     driven_end: Sequence[Any],
     contact: Sequence[Any],
     ground: Any = 0,
+    springs: Any = 0,
 ) -> MovingContact:
     r"""A rope on a ground, from its equations.
 
@@ -197,6 +202,11 @@ def moving_contact(
         The m things that equal the ground's at the contact point: W, W_ξ, …, without a gap.
     ground
         g(ξ), a polynomial; 0 by default.
+    springs
+        κ > 0, for a ground that gives way: the rope lies on springs and moves there too (a
+        unilateral Winkler foundation, :mod:`asymptotics.problems.compliant`). Then ``contact`` is
+        [W] alone, W and its derivatives below r being continuous there, and the driven end has r/2
+        conditions. 0 by default: a ground that does not.
 
     Raises
     ------
@@ -206,12 +216,18 @@ def moving_contact(
     statements = [equation, *driven_end, *contact]
     known = letters(statements)
     lifted = read_equation(equation, known)
-    m = contact_order(contact, known, lifted.order)
-    wanted = lifted.order - m + 1
+    stiff = _springs(springs, known, lifted.order)
+    m = contact_order(contact, known, lifted.order, on_springs=stiff != 0)
+    wanted = lifted.order - m + 1 if stiff == 0 else lifted.order // 2
     if len(driven_end) != wanted:
+        why = (
+            f"with m = {m} contact conditions needs r - m + 1"
+            if stiff == 0
+            else "on springs needs r/2"
+        )
         raise InputError(
             f"driven end: {len(driven_end)} conditions; an equation of order r = {lifted.order} in "
-            f"{known.xi} with m = {m} contact conditions needs r - m + 1 = {wanted}"
+            f"{known.xi} {why} = {wanted}"
         )
     conditions = [end_condition(statement, known, lifted.order) for statement in driven_end]
     if not any(condition.drive for condition in conditions):
@@ -226,7 +242,18 @@ def moving_contact(
     polynomial = height.is_polynomial(known.xi) and not height.has(known.tau, known.epsilon)
     if not polynomial:
         raise InputError(f"ground: {ground} is not a polynomial in {known.xi}")
-    return _over(lifted, tuple(conditions), m, sympy.expand(height), known)
+    rope = _over(lifted, tuple(conditions), m, sympy.expand(height), known)
+    return replace(rope, springs=stiff)
+
+
+def _springs(springs: Any, known: Letters, r: int) -> sympy.Expr:
+    """Their stiffness, a constant."""
+    stiff = sympy.sympify(springs)
+    if not isinstance(stiff, sympy.Expr) or stiff.has(known.xi, known.tau, known.epsilon, known.W):
+        raise InputError(f"springs: {springs} is not a constant")
+    if stiff != 0 and r % 2:
+        raise InputError(f"springs: the equation's order r = {r} in {known.xi} has to be even")
+    return stiff
 
 
 def _over(

@@ -23,6 +23,7 @@ def string(
     foundation: Any = 0,
     drive: Drive | None = None,
     ground: Any = 0,
+    springs: Any = 0,
 ) -> MovingContact:
     """W_ττ + 2ζW_τ = W_ξξ + ηW_ξξτ − κW − 2, W(0, τ) = 1 + εΔZ, W = W_ξ = 0 at ξ_c.
 
@@ -37,6 +38,8 @@ def string(
         See :data:`Drive`; cos Ωτ by default.
     ground
         g(ξ), a polynomial.
+    springs
+        κ of a ground that gives way, see :mod:`asymptotics.problems.compliant`.
 
     Raises
     ------
@@ -53,8 +56,9 @@ def string(
     return moving_contact(
         equation=_equation(0, damping, viscosity, foundation),
         driven_end=[sympy.Eq(W, 1 + epsilon * _sum(drive))],
-        contact=[W, W.diff(xi)],
+        contact=[W, W.diff(xi)] if springs == 0 else [W],
         ground=ground,
+        springs=springs,
     )
 
 
@@ -67,6 +71,7 @@ def beam(
     foundation: Any = 0,
     drive: Drive | None = None,
     ground: Any = 0,
+    springs: Any = 0,
 ) -> MovingContact:
     """The same with −βW_ξξξξ on the right, and W_ξξ = 0 or (clamped) W_ξ = 0 at the driven end.
 
@@ -86,8 +91,9 @@ def beam(
     return moving_contact(
         equation=_equation(beta, damping, viscosity, foundation),
         driven_end=[sympy.Eq(W, 1 + epsilon * _sum(drive)), sympy.Eq(end, 0)],
-        contact=[W, W.diff(xi), W.diff(xi, 2)],
+        contact=[W, W.diff(xi), W.diff(xi, 2)] if springs == 0 else [W],
         ground=ground,
+        springs=springs,
     )
 
 

@@ -6,7 +6,11 @@ slopes vanish, W = W_ξ = … = ∂^{m−1}W = 0. The expansion needs to know of
 * the static derivatives a_d = ∂^d W₀ at the static contact point, a₀ = … = a_{m−1} = 0 ≠ a_m;
 * for each harmonic e^{ijθ}, how derivatives at the static contact point follow from the first
   m − 1 of them: the *impedances*; and how the drive enters;
-* the equation itself, as the reduction of ∂^r to lower derivatives.
+* the equation itself, as the reduction of ∂^r to lower derivatives;
+* the conditions that hold at ξ_c, of which the last one determines it.
+
+Where the ground gives way (:class:`Ground`) the rope beyond ξ_c moves too: the conditions are then
+that nothing jumps there, and that W = 0.
 
 Two more functions state the equation and the driven end a second time, in their own words. The
 engine never calls them: they are what each order is substituted back into.
@@ -36,14 +40,57 @@ class Mode(Generic[E]):
         (χ₀, …, χ_{r−1}) with ∂^r = Σ χ_i ∂^i on solutions of harmonic j.
     impedance
         One row per contact datum w, w′, …, w^{(m−2)}: the first r derivatives of the solution that
-        has unit datum and satisfies the homogeneous driven end.
+        has unit datum and satisfies the homogeneous driven end. On a ground that gives way the data
+        are the jumps of w … w^{(r−1)}, and a row has the first r derivatives from the left, then
+        from the right.
     source
-        The first r derivatives of the solution with zero contact data and unit drive.
+        The first r (or 2r) derivatives of the solution with zero contact data and unit drive.
     """
 
     reduction: tuple[E, ...]
     impedance: tuple[tuple[E, ...], ...]
     source: tuple[E, ...]
+
+
+@dataclass(frozen=True)
+class ContactCondition:
+    """∂_ξ^e W, or what it jumps by, vanishes at the contact point.
+
+    Attributes
+    ----------
+    derivative
+        e.
+    jump
+        Whether the difference between the right and the left of ξ_c is meant, or the left.
+    """
+
+    derivative: int
+    jump: bool = False
+
+
+@dataclass(frozen=True)
+class Ground(Generic[E]):
+    """A ground that gives way: the rope beyond the contact point, seen from ξ₀.
+
+    Attributes
+    ----------
+    static, static_reduction
+        As in :class:`Problem`, from the right.
+    reduction
+        j ↦ (χ_0, …), as in :class:`Mode`.
+    equation_residual, load
+        As in :class:`Problem`.
+    end_residual
+        (j, [w, w′, …]) ↦ what each condition far away leaves of one harmonic: that it decays, or
+        carries energy away.
+    """
+
+    static: Callable[[int], E]
+    static_reduction: tuple[E, ...]
+    reduction: Callable[[int], tuple[E, ...]]
+    equation_residual: Callable[[int, Sequence[E]], E] = field(repr=False)
+    load: tuple[E, ...] = field(repr=False)
+    end_residual: Callable[[int, Sequence[E]], tuple[E, ...]] = field(repr=False)
 
 
 @dataclass(frozen=True)
@@ -57,7 +104,8 @@ class Problem(Remembered, Generic[E]):
     ring
         Where the coefficients live.
     contact_order
-        m: 2 for the string, 3 for the beam.
+        m: 2 for the string, 3 for the beam; how many derivatives W, W_ξ, … vanish at ξ_c. On a
+        ground that gives way W alone does, m = 1.
     static
         d ↦ a_d.
     static_reduction
@@ -82,6 +130,8 @@ class Problem(Remembered, Generic[E]):
     rest
         ξ₀, the static contact point; None where it is no element of the ring. The expansion does
         not need it, its values do.
+    ground
+        What lies beyond ξ_c, where that moves; None where it lies still.
     balls
         Makes the same problem over balls, in the precision of the moment. Where it is given,
         :func:`~asymptotics.expansion.order_loop.expand` computes there and rounds to doubles, all
@@ -107,6 +157,24 @@ class Problem(Remembered, Generic[E]):
     rest: E | None = None
     balls: Callable[[], Problem[Any]] | None = field(default=None, repr=False)
     sweep: Sweep | None = field(default=None, repr=False)
+    ground: Ground[E] | None = field(default=None, repr=False)
+
+    @property
+    def conditions(self) -> tuple[ContactCondition, ...]:
+        """What holds at the contact point; the last determines ξ_n, the others the contact data."""
+        if self.ground is None:
+            return tuple(ContactCondition(e) for e in range(self.contact_order))
+        jumps = range(len(self.mode(0).reduction))
+        return (*(ContactCondition(e, jump=True) for e in jumps), ContactCondition(0))
+
+    def static_at(self, condition: ContactCondition, d: int) -> E:
+        """∂^d of what a condition is about, of the static shape at ξ₀."""
+        left = self.static(d)
+        if not condition.jump:
+            return left
+        assert self.ground is not None
+        minus = self.ring.rational(-1)
+        return self.ring.sum([self.ground.static(d), minus * left])
 
 
 @dataclass(frozen=True)

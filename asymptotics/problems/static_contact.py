@@ -12,8 +12,8 @@ the ground is taken.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations
@@ -23,6 +23,7 @@ import sympy
 from flint import acb, acb_mat, arb, ctx
 
 from asymptotics.errors import InputError
+from asymptotics.problems.compliant import Beyond, on_springs, stiffness
 from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.fundamental import Propagator, magnitude, product, solve
 from asymptotics.problems.moving_contact import MovingContact
@@ -66,6 +67,15 @@ class StaticData:
     constants: tuple[acb, ...]
     reduction: tuple[acb, ...]
 
+    def on_springs(self, springs: acb) -> StaticData:
+        """The same from the right, where springs add to the coefficient of W."""
+        there = replace(
+            self.propagator, coefficients=on_springs(self.propagator.coefficients, springs)
+        )
+        return replace(
+            self, propagator=there, reduction=static_reduction(there.coefficients, len(self.load))
+        )
+
     def derivative(self, d: int) -> acb:
         """a_d, from ℓ and the equation differentiated."""
         tower, c = list(self.first), self.propagator.coefficients
@@ -76,6 +86,12 @@ class StaticData:
             below = sum((c[k] * tower[k + q] for k in range(r)), acb(0))
             tower.append((load - below) / c[r])
         return tower[d]
+
+
+def static_reduction(c: Sequence[acb], p: int) -> tuple[acb, ...]:
+    """∂^{r+p} on solutions of Σ c_k ∂^k W = ℓ, ∂^p ℓ = 0, in terms of lower derivatives."""
+    r = len(c) - 1
+    return (*[acb(0)] * p, *(-c[k] / c[r] for k in range(r)))
 
 
 class _Rest:
@@ -136,7 +152,11 @@ class _Rest:
             rows.append([*(y / acb(size.mid()) for y in row), x / acb(size.mid())])
         return acb_mat(rows).det().real
 
-    def shape(self, point: arb) -> list[acb]:
+    def first(self, point: arb) -> list[acb]:
+        """W₀ … ∂^{r−1}W₀ at ξ₀."""
+        return [*[acb(0)] * self.m, *self._shape(point)]
+
+    def _shape(self, point: arb) -> list[acb]:
         """a_m … a_{r−1}, from the n − 1 conditions that tell them best."""
         columns, left = self.system(point)
         n = len(left)
@@ -149,6 +169,49 @@ class _Rest:
             except PrecisionError as error:
                 failed = error
         raise failed if failed else PrecisionError("the static shape", None)
+
+    def lifted_beyond(self, point: arb) -> float | None:
+        """Where beyond ξ₀ the ground would have to pull; of a rigid one nobody asks here."""
+        return None
+
+
+class _RestOnSprings(_Rest):
+    """The same where the rope lies on springs: both sides of ξ₀ belong to one shape."""
+
+    def __init__(self, rope: MovingContact, values: Mapping[str, Fraction]) -> None:
+        super().__init__(rope, values)
+        self.springs = stiffness(rope, values)
+
+    def _system(self, point: arb) -> tuple[Beyond, list[list[acb]], list[acb]]:
+        left = self.propagator(point)
+        left = left if left.load else replace(left, load=(acb(0),))
+        beyond = Beyond.at(left, self.springs)
+        return beyond, *beyond.system(self.rows, self.constants, left, point)
+
+    def height(self, point: arb) -> arb:
+        """F(ξ₀)."""
+        beyond, lines, sides = self._system(point)
+        return beyond.height(lines, sides)
+
+    def first(self, point: arb) -> list[acb]:
+        """W₀ … ∂^{r−1}W₀ at ξ₀."""
+        beyond, lines, sides = self._system(point)
+        return beyond.state(lines, sides)
+
+    def lifted_beyond(self, point: arb) -> float | None:
+        """A place beyond ξ₀ where the rope is above the springs."""
+        beyond, lines, sides = self._system(point)
+        state = beyond.state(lines, sides)
+        slowest = min((float(abs(x.real).mid()) for x in beyond.exponents), default=1.0)
+        for i in range(1, _SAMPLES + 1):
+            length = 20 * i / _SAMPLES / slowest
+            if beyond.depth(state, arb(length)) > 0:
+                return float(point) + length
+        return None
+
+
+def _rest_of(rope: MovingContact, values: Mapping[str, Fraction]) -> _Rest:
+    return _Rest(rope, values) if rope.springs == 0 else _RestOnSprings(rope, values)
 
 
 @lru_cache(maxsize=256)
@@ -189,7 +252,7 @@ def _sign(
     """Whether F > 0 at a place, and the bits that it took."""
     while bits <= _MOST_BITS:
         with at_precision(bits):
-            value = _Rest(rope, values).height(arb(place))
+            value = _rest_of(rope, values).height(arb(place))
             if value > 0 or value < 0:
                 return bool(value > 0), bits
         bits *= 2
@@ -204,11 +267,17 @@ def _inadmissible(
         bits *= 2
         with at_precision(bits):
             try:
-                rest = _Rest(rope, values)
+                rest = _rest_of(rope, values)
                 point = enclosed_root(rest.height, *ends)
                 heights = _heights(rest, point)
             except PrecisionError:
                 continue
+            lifted = rest.lifted_beyond(point)
+            if lifted is not None:
+                return (
+                    f"the shape that meets the springs at xi = {float(point):.6g} is above them "
+                    f"at xi = {lifted:.3g}, where they would have to pull"
+                )
             below = [i for i, height in enumerate(heights) if height < 0]
             if below:
                 place = float(point) * (1 - (below[0] + 1) / _SAMPLES)
@@ -224,8 +293,7 @@ def _inadmissible(
 def _heights(rest: _Rest, point: arb) -> list[arb]:
     """W₀ − g at equal steps from next to the contact point to the driven end."""
     equation = rest.propagator(point)
-    first = [*[acb(0)] * rest.m, *rest.shape(point)]
-    state = acb_mat([[x] for x in (*first, *equation.load)])
+    state = acb_mat([[x] for x in (*rest.first(point), *equation.load)])
     step = equation.backwards(point / _SAMPLES)
     found = []
     for _ in range(_SAMPLES):
@@ -267,6 +335,7 @@ def at_rest(rope: MovingContact, values: Mapping[str, Fraction]) -> Values:
     for condition in rope.driven_end:
         expressions += [value for (_, t), value in condition.terms.items() if not t]
         expressions.append(condition.constant)
+    expressions.append(rope.springs)
     if (0, 2) in rope.equation.terms:
         expressions.append(rope.equation.terms[0, 2])
     for expression in expressions:
@@ -292,18 +361,13 @@ def static_data(rope: MovingContact, values: Mapping[str, Fraction]) -> StaticDa
 
 @lru_cache(maxsize=256)
 def _static_data(rope: MovingContact, given: Values, bits: int) -> StaticData:
-    rest = _Rest(rope, dict(given))
+    rest = _rest_of(rope, dict(given))
     lower, upper = bracket(rope, given)
     point = enclosed_root(rest.height, lower, upper)
     equation = rest.propagator(point)
     load = equation.load or (acb(0),)
-    r, c = rest.r, rest.coefficients
-    p = len(load)
-    reduction = [acb(0)] * (r + p)
-    for k in range(r):
-        reduction[k + p] = -c[k] / c[r]
-    first = (*[acb(0)] * rest.m, *rest.shape(point))
-    return StaticData(point, equation, load, first, rest.constants, tuple(reduction))
+    reduction = static_reduction(rest.coefficients, len(load))
+    return StaticData(point, equation, load, tuple(rest.first(point)), rest.constants, reduction)
 
 
 def enclosed_root(function: Callable[[arb], arb], lower: float, upper: float) -> arb:

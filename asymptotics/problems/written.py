@@ -6,6 +6,7 @@ r"""A rope in a text file: TOML with equations in it, read by a small parser tha
     driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]
     contact = ["W", "W_xi"]
     ground = "0"
+    springs = "0"
 
     [parameters]
     kappa = 1.7
@@ -119,7 +120,7 @@ def problem_of(data: Mapping[str, Any], where: str) -> Written:
     (('kappa', 'Omega'), {'kappa': 1.7})
     """
     wanted = {"equation", "driven_end", "contact"}
-    known = wanted | {"ground", "parameters"}
+    known = wanted | {"ground", "springs", "parameters"}
     missing, extra = sorted(wanted - data.keys()), sorted(map(str, data.keys() - known))
     if missing or extra:
         what = [f"{name} is missing" for name in missing] + [
@@ -127,7 +128,7 @@ def problem_of(data: Mapping[str, Any], where: str) -> Written:
         ]
         raise InputError(
             f"{where}: {'; '.join(what)}; a problem has equation, driven_end and contact, and may "
-            "have ground and parameters"
+            "have ground, springs and parameters"
         )
     parameters = data.get("parameters", {})
     if not isinstance(parameters, Mapping):
@@ -148,6 +149,7 @@ def problem_of(data: Mapping[str, Any], where: str) -> Written:
         driven_end=conditions("driven_end"),
         contact=conditions("contact"),
         ground=expression(data.get("ground", "0"), f"{where}: ground"),
+        springs=expression(data.get("springs", "0"), f"{where}: springs"),
     )
     return Written(rope, dict(parameters))
 

@@ -1,0 +1,124 @@
+"""A rope on springs against periodic states that are not expanded, and against the rigid ground."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from asymptotics import expand, prove
+from asymptotics.errors import InputError
+from asymptotics.problems.moving_contact import moving_contact
+from asymptotics.problems.presets import beam, string
+from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
+from asymptotics.rings.precision import at_precision
+from asymptotics.values.rope import evaluate_rope
+from tests.validation.two_sided_states import contact_of
+
+KAPPA = sp.Symbol("kappa")
+
+
+def test_the_string_on_stiff_springs() -> None:
+    """κ = 400, Ω = 2.2: all harmonics in use are evanescent on the ground."""
+    series = expand(string(springs=KAPPA), 2, at={KAPPA: 400, Omega: 2.2})
+    place = complex(series.problem.rest or 0).real
+    assert abs(place - 0.951249219725) < 1e-12
+    assert abs(place**2 + 2 * place / 20 - 1) < 1e-15
+    assert abs(2 * series.contact(1)[1] - 1.363505302) < 1e-9
+    assert abs(series.contact(2)[0] + 0.351386084) < 1e-9
+    assert abs(2 * series.contact(2)[2] + 0.758933989) < 1e-9
+
+
+CASES = [
+    pytest.param(0.0, 400.0, 2.2, (1e-2, 5e-3), id="string, evanescent"),
+    pytest.param(0.0, 30.0, 2.2, (2e-2, 1e-2), id="string, radiating from the third harmonic on"),
+    pytest.param(0.0, 2.0, 2.2, (4e-2, 2e-2), id="string, radiating"),
+    pytest.param(0.05, 100.0, 1.9, (2e-2, 1e-2), id="beam, evanescent"),
+    pytest.param(0.05, 2.0, 1.9, (4e-2, 2e-2), id="beam, radiating"),
+]
+
+
+@pytest.mark.parametrize(("beta", "kappa", "omega", "small"), CASES)
+def test_each_order_removes_one_power_of_the_error(
+    beta: float, kappa: float, omega: float, small: tuple[float, float]
+) -> None:
+    rope = beam(beta=sp.Float(beta), springs=KAPPA) if beta else string(springs=KAPPA)
+    at = {KAPPA: kappa, Omega: omega}
+    series = expand(rope, 4, at=at)
+    assert prove(series).holds
+    rest = complex(series.problem.rest or 0).real
+    harmonics = 7
+    times = 2 * np.pi * np.arange(2 * harmonics + 1) / (2 * harmonics + 1)
+    errors = {n: [] for n in range(1, 5)}  # type: dict[int, list[float]]
+    for size in small:
+        state = contact_of(beta, kappa, omega, size, rest, harmonics)
+        total = np.full(len(times), rest)
+        for n in range(1, 5):
+            for j, c in series.contact(n).items():
+                total += size**n * ((2 if j else 1) * c * np.exp(1j * j * times)).real
+            errors[n].append(float(np.max(np.abs(total - state))))
+    for n, (coarse, fine) in errors.items():
+        slope = np.log2(coarse / fine)
+        assert fine < 2e-12 or abs(slope - (n + 1)) < 0.25, (n, errors[n])
+
+
+def test_proof_over_balls_and_its_failure() -> None:
+    rope = string(springs=KAPPA)
+    with at_precision(160):
+        series = expand(rope.at({KAPPA: 30, Omega: 2.2}, "balls"), 3)
+        assert prove(series).holds
+        order = series.orders[1]
+        moved = {j: (x[0] + 1, *x[1:]) for j, x in order.shape.items()}
+        wrong = type(series)(
+            series.problem,
+            (series.orders[0], type(order)(order.contact, moved, order.tails), series.orders[2]),
+        )
+        with pytest.raises(Exception, match="REFUTED"):
+            prove(wrong)
+
+
+def test_stiff_springs_are_the_rigid_ground() -> None:
+    """The difference falls like the thickness 1/√κ of the layer in which springs give way."""
+    rigid = expand(string(), 3, at={Omega: 2.2})
+    left = []
+    for kappa in (1e4, 1e6):
+        soft = expand(string(springs=KAPPA), 3, at={KAPPA: kappa, Omega: 2.2})
+        left.append(
+            [
+                abs(complex(soft.problem.rest or 0) - 1),
+                abs(2 * soft.contact(3)[3] - 2 * rigid.contact(3)[3]),
+            ]
+        )
+    for coarse, fine in zip(*left, strict=True):
+        assert 5 < coarse / fine < 12
+
+
+def test_the_profile_meets_the_springs() -> None:
+    result = evaluate_rope(
+        string(springs=KAPPA), {KAPPA: 400, Omega: 2.2}, 0.005, 3, [-0.4, 0.0], [0.0, 0.7]
+    )
+    assert np.all(np.abs(result.profile[:, 1]) < 1e-15)
+    assert np.all(result.profile[:, 0] > 0.1)
+
+
+def test_bad_springs_are_refused() -> None:
+    with pytest.raises(InputError, match="positive"):
+        expand(string(springs=KAPPA), 1, at={KAPPA: -3, Omega: 2.2})
+    drive = sp.Eq(W, 1 + epsilon * sp.cos(Omega * tau))
+    wave = sp.Eq(W.diff(tau, 2), W.diff(xi, 2) - 2)
+    with pytest.raises(InputError, match=r"give \[W\]"):
+        moving_contact(equation=wave, driven_end=[drive], contact=[W, W.diff(xi)], springs=4)
+    with pytest.raises(InputError, match="needs r/2 = 1"):
+        moving_contact(
+            equation=wave, driven_end=[drive, sp.Eq(W.diff(xi), 0)], contact=[W], springs=4
+        )
+    with pytest.raises(InputError, match="constant"):
+        moving_contact(equation=wave, driven_end=[drive], contact=[W], springs=4 * xi)
+    lifted = moving_contact(
+        equation=sp.Eq(W.diff(tau, 2), W.diff(xi, 2) + 2),
+        driven_end=[drive],
+        contact=[W],
+        springs=4,
+    )
+    with pytest.raises(InputError, match="no static shape"):
+        expand(lifted, 1, at={Omega: 2.2})
