@@ -5,31 +5,38 @@ from __future__ import annotations
 import importlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from derivations.commands.options import (
     EndOption,
-    EpsilonOption,
     JsonOption,
-    OmegaOption,
     PlotOption,
     RopeBetaOption,
+    numbers_of,
 )
 from derivations.output import note, show, wrote
 
 if TYPE_CHECKING:
     from derivations.reports.watched_run import Watched
+    from numerics.problems.drive import Drive
     from numerics.simulation.contact import Simulator
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
 
 
+COEFFICIENTS = "C0,C1,…"
+
+
 def simulate(
-    omega: OmegaOption,
-    epsilon: EpsilonOption,
+    omega: Annotated[
+        float | None, typer.Option("--omega", metavar="Ω", help="Ω = ωx₀/c > 0.")
+    ] = None,
+    epsilon: Annotated[
+        float | None, typer.Option("--epsilon", metavar="ε", help="Forcing amplitude, units of Z₀.")
+    ] = None,
     beta: RopeBetaOption = 0.01,
     periods: Annotated[
         float | None,
@@ -64,6 +71,28 @@ def simulate(
     restitution: Annotated[
         float, typer.Option(metavar="r", min=0, max=1, help="Of speed in an impact.")
     ] = 0.0,
+    foundation: Annotated[
+        str | None, typer.Option(metavar=COEFFICIENTS, help="κ(ξ) ≥ 0, a polynomial.")
+    ] = None,
+    tension: Annotated[
+        str | None, typer.Option(metavar=COEFFICIENTS, help="T(ξ) > 0; 1 by default.")
+    ] = None,
+    mass: Annotated[
+        str | None, typer.Option(metavar=COEFFICIENTS, help="m(ξ) > 0; 1 by default.")
+    ] = None,
+    weight: Annotated[
+        str | None, typer.Option(metavar=COEFFICIENTS, help="q(ξ); 2 by default.")
+    ] = None,
+    ground: Annotated[
+        str | None, typer.Option(metavar=COEFFICIENTS, help="g(ξ), g(0) = 0; W is measured above.")
+    ] = None,
+    samples: Annotated[
+        Path | None,
+        typer.Option("--samples", metavar="FILE.csv", help="Drive: lines τ,Z; not Ω and ε."),
+    ] = None,
+    until: Annotated[
+        float | None, typer.Option(metavar="τ", help="With --samples: by default their last.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a netCDF file, .nc.")
     ] = None,
@@ -86,9 +115,20 @@ def simulate(
     from numerics.simulation.contact import Simulator
     from numerics.simulation.semi_discrete import Grid
 
-    drive = drive_of(omega, epsilon, ramp)
-    problem = RopeProblem(beta, drive, DrivenEnd(driven_end), damping, restitution)
+    varying = _varying(
+        foundation=foundation, tension=tension, mass=mass, weight=weight, ground=ground
+    )
+    if samples is None:
+        omega, epsilon = _both(omega, epsilon, until)
+        drive = drive_of(omega, epsilon, ramp)
+    else:
+        drive = _sampled(samples, omega, epsilon, plot, animate, checkpoint)
+    problem = RopeProblem(beta, drive, DrivenEnd(driven_end), damping, restitution, **varying)
     grid = Grid(default_dx(problem.beta) if dx is None else dx, length, sponge)
+    if epsilon is None:
+        announce_compiling(as_json)
+        _recorded(Simulator(problem, grid, dt, scheme), until, out, as_json)
+        return
     total = ramp + 10 if periods is None else periods
     announce_compiling(as_json)
     simulator = Simulator(problem, grid, dt, scheme)
@@ -118,6 +158,70 @@ def simulate(
     show(report.as_json(watched), report.as_text(watched), as_json)
     _write(watched, out, plot, animate, as_json)
     wrote(out, plot, animate)
+
+
+def _varying(**texts: str | None) -> dict[str, Any]:
+    """The polynomials that were given, by name."""
+    return {name: numbers_of(f"--{name}", text) for name, text in texts.items() if text is not None}
+
+
+def _both(omega: float | None, epsilon: float | None, until: float | None) -> tuple[float, float]:
+    from asymptotics.errors import InputError
+
+    if omega is None or epsilon is None:
+        raise InputError("give --omega and --epsilon, or --samples FILE.csv with lines tau,Z")
+    if until is not None:
+        raise InputError("--until belongs to --samples; a periodic drive is followed for --periods")
+    return omega, epsilon
+
+
+def _sampled(
+    samples: Path,
+    omega: float | None,
+    epsilon: float | None,
+    plot: Path | None,
+    animate: Path | None,
+    checkpoint: Path | None,
+) -> Drive:
+    """The recorded drive; what needs a forcing period goes without it."""
+    from asymptotics.errors import InputError
+    from numerics.problems.sampled import read_samples
+
+    periodic = {
+        "--omega": omega,
+        "--epsilon": epsilon,
+        "--plot": plot,
+        "--animate": animate,
+        "--checkpoint": checkpoint,
+    }
+    given = [name for name, value in periodic.items() if value is not None]
+    if given:
+        raise InputError(
+            f"--samples and {', '.join(given)}: samples say all of the drive, and have no period; "
+            "--out keeps the run"
+        )
+    return read_samples(samples)
+
+
+def _recorded(simulator: Simulator, until: float | None, out: Path | None, as_json: bool) -> None:
+    """A run under a drive without a period: followed to a time, summed up, kept."""
+    from derivations.progress import progress
+    from derivations.reports.simulation import of_any_drive
+    from numerics.simulation.run import follow
+
+    last = simulator.problem.drive.label.split("tau = ")[1].split(",")[0]
+    end = float(last) if until is None else until
+    _check_files(simulator, end, out, None, None, None)
+    with progress("simulating", 1.0, as_json, fine=True) as tell:
+        run = follow(simulator, end, 0.0, None, lambda done, of: tell(done / of))
+    show(*of_any_drive(run), as_json)
+    if out is not None:
+        from derivations.files import make_folder_of
+        from numerics.files.runs import dataset, save
+
+        make_folder_of(out)
+        save(dataset(run), out)
+    wrote(out)
 
 
 def need(package: str) -> None:

@@ -10,6 +10,7 @@ from numerics.simulation.contact import Scheme
 
 if TYPE_CHECKING:
     from numerics.events.finder import Event
+    from numerics.simulation.run import Run
 
 
 def as_json(watched: Watched) -> dict[str, Any]:
@@ -56,6 +57,39 @@ def as_json(watched: Watched) -> dict[str, Any]:
     }
     plain: dict[str, Any] = finite(found)
     return plain
+
+
+def of_any_drive(run: Run) -> tuple[dict[str, Any], str]:
+    """A run under a drive that need not be periodic, as plain numbers and as text."""
+    from numerics.files.sealed import specification
+    from numerics.simulation.observables import Column
+
+    contact = run.column(Column.CONTACT)
+    energy, work, damped, lost = (float(x) for x in run.ledger)
+    fields = {
+        "command": "simulate",
+        **specification(run),
+        "tau": run.times.tolist(),
+        "contact": contact.tolist(),
+        "wave": run.column(Column.BUMP).tolist(),
+        "energy": {
+            "end": energy,
+            "work": work,
+            "damped": damped,
+            "lost": lost,
+            "unexplained_step": run.unexplained,
+        },
+        "complementarity": {"least_height": run.lowest, "least_reaction": run.reaction},
+    }
+    plain: dict[str, Any] = finite(fields)
+    lines = [
+        f"{run.problem.drive.label}, beta = {run.problem.beta:g}",
+        *(f"{name}: {label}" for name, label in run.problem.varying.items()),
+        f"to tau = {run.end_time:g}: contact point {contact.min():.6g} … {contact.max():.6g}",
+        f"energy {energy:.6g}, work {work:.6g}, damped {damped:.6g}, lost {lost:.3g}; "
+        f"unexplained in a step at most {run.unexplained:.1e}",
+    ]
+    return plain, "\n".join(lines)
 
 
 def unexplained(watched: Watched) -> float:

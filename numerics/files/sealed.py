@@ -53,6 +53,7 @@ def specification(run: Run | Simulator) -> Specification:
         **{name: float(value) for name, value in asdict(run.grid).items()},
         "dt": float(run.dt),
         "scheme": run.scheme.value,
+        **problem.varying,
     }
 
 

@@ -120,10 +120,22 @@ class Simulator:
             )
         end = self._end(np.zeros(1), slice(None))[0]
         self.state = equilibrium(self.system, end)
+        self._check_room()
         self.step = 0
         energy = self.system.energy(self.state.height, self.state.velocity, end)
         self.ledger = np.array([energy, 0.0, 0.0, 0.0])
         self.unexplained, self.lowest, self.reaction = 0.0, math.inf, math.inf
+
+    def _check_room(self) -> None:
+        """That the rope at rest is down before the domain ends, or its absorbing part begins."""
+        held = np.flatnonzero(self.state.active)
+        end = self.grid.length - self.grid.sponge
+        place = float(self.system.positions[held[0]]) if held.size else math.inf
+        if not place < end:
+            raise InputError(
+                f"the rope at rest is not down before ξ = {end:.6g}, where the domain ends or "
+                "absorbs; take a longer one, a heavier rope or less tension"
+            )
 
     @property
     def time(self) -> float:

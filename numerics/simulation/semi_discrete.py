@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from numerics.errors import InputError
+from numerics.problems.along import Along
 from numerics.problems.drive import Array, finite, non_negative, positive, whole
 from numerics.problems.problem import DrivenEnd, RopeProblem
 
@@ -148,7 +149,10 @@ class Grid:
 
 
 def rope(problem: RopeProblem, grid: Grid | None = None) -> SemiDiscrete:
-    r"""The rope's second-order differences: energies ½Σ(D₁W)² dx and ½βΣ(D₂W)² dx.
+    r"""The rope's second-order differences: energies ½ΣT(D₁W)² dx, ½βΣ(D₂W)² dx and ½ΣκW² dx.
+
+    The tension is taken half way between nodes. Over uneven ground the nodes hold W − g: Kg is part
+    of the load.
 
     Nodes are ξ_i = i dx, i = 1 … n; node 0 is the driven end, whose ghost neighbour makes D₂W = 0
     (pinned) or W_{−1} = W_1 (clamped); the rope ends at W = D₂W = 0.
@@ -170,28 +174,57 @@ def rope(problem: RopeProblem, grid: Grid | None = None) -> SemiDiscrete:
     beta, dx = problem.beta, grid.dx
     _check_grid(problem, grid)
     n = round(grid.length / dx) - 1
-    k0 = np.full(n, 2 / dx + 6 * beta / dx**3)
-    k1 = np.full(n, -1 / dx - 4 * beta / dx**3)
+    positions = dx * np.arange(1.0, n + 1)
+    links = _checked("tension", problem.tension, dx * np.arange(0.5, n + 1), least=0.0) / dx
+    springs = dx * _checked("foundation", problem.foundation, dx * np.arange(0.0, n + 1))
+    k0 = links[:-1] + links[1:] + springs[1:] + 6 * beta / dx**3
+    k1 = -links[1:] - 4 * beta / dx**3
     k2 = np.full(n, beta / dx**3)
     clamped = problem.driven_end is DrivenEnd.CLAMPED
     turn = 2 * beta / dx**3 if clamped else 0.0
     k0[0] += -beta / dx**3 + turn
     k0[-1] -= beta / dx**3
     k1[-1:] = k2[-2:] = 0.0
-    positions = dx * np.arange(1.0, n + 1)
-    return SemiDiscrete(
+    weight = dx * problem.weight(dx * np.arange(0.0, n + 1))
+    system = SemiDiscrete(
         positions=positions,
-        mass=np.full(n, dx),
+        mass=dx * _checked("mass", problem.mass, positions, least=0.0),
         damping=2 * dx * (problem.damping + _sponge(positions, grid)),
-        load=np.full(n, 2 * dx),
+        load=weight[1:],
         stiffness=np.array([k0, k1, k2]),
-        drive=(-1 / dx - 2 * beta / dx**3 - turn, beta / dx**3),
-        end_stiffness=1 / dx + beta / dx**3 + turn,
-        end_load=dx,
+        drive=(-float(links[0]) - 2 * beta / dx**3 - turn, beta / dx**3),
+        end_stiffness=float(links[0] + 0.5 * springs[0]) + beta / dx**3 + turn,
+        end_load=0.5 * float(weight[0]),
         obstacle=np.ones(n, bool),
         dx=dx,
         beta=beta,
     )
+    if not any(problem.ground.coefficients) and not problem.ground.places:
+        return system
+    ground = problem.ground(positions)
+    load = system.force(ground)
+    # K knows that W − g ends with the domain; g goes on, straight.
+    beyond, next_but_one = ground[-1] + np.array([1.0, 2.0]) * (ground[-1] - ground[-2])
+    load[-2] += beta / dx**3 * beyond
+    load[-1] += (-links[-1] - 4 * beta / dx**3) * beyond
+    load[-1] += beta / dx**3 * (next_but_one + ground[-1])
+    return system._replace(
+        load=load,
+        end_load=system.end_load + system.drive[0] * ground[0] + system.drive[1] * ground[1],
+    )
+
+
+def _checked(name: str, values: Along, places: Array, least: float | None = None) -> Array:
+    """Values along the rope that must not be negative, or must exceed ``least``."""
+    found = values(places)
+    bad = ~(found >= 0) if least is None else ~(found > least)
+    if bad.any():
+        where = int(np.flatnonzero(bad)[0])
+        raise InputError(
+            f"{name} = {found[where]:.6g} at ξ = {places[where]:.6g}; it has to be "
+            f"{'at least 0' if least is None else f'> {least:g}'} along the whole domain"
+        )
+    return found
 
 
 def string_on_obstacle(nodes: int) -> SemiDiscrete:
