@@ -13,6 +13,10 @@ from asymptotics.problems.presets import beam, string
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 from asymptotics.rings.precision import at_precision
 from asymptotics.values.rope import evaluate_rope
+from numerics.problems.drive import ramped_cosine
+from numerics.problems.problem import RopeProblem
+from numerics.simulation.penalty import penalty_ground, solve
+from numerics.simulation.semi_discrete import Grid
 from tests.validation.two_sided_states import contact_of
 
 KAPPA = sp.Symbol("kappa")
@@ -122,3 +126,41 @@ def test_bad_springs_are_refused() -> None:
     )
     with pytest.raises(InputError, match="no static shape"):
         expand(lifted, 1, at={Omega: 2.2})
+
+
+def crossing(positions: np.ndarray, heights: np.ndarray) -> float:
+    """Where W = 0 first, by the cubic through the four nodes next to it."""
+    i = int(np.flatnonzero(heights < 0)[0])
+    near = slice(i - 2, i + 2)
+    cubic = np.polyfit(heights[near], positions[near], 3)
+    return float(np.polyval(cubic, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("beta", "kappa", "spacings"),
+    [(0.0, 2.0, (0.05, 0.025)), pytest.param(0.05, 3.0, (0.05,), marks=pytest.mark.slow)],
+)
+def test_the_simulated_rope_on_springs(
+    beta: float, kappa: float, spacings: tuple[float, ...]
+) -> None:
+    """The penalty ground is this ground. Waves leave, the absorbing end is ten x₀ long."""
+    omega, small = 2.2, 0.02
+    rope = beam(beta=sp.Float(beta), springs=KAPPA) if beta else string(springs=KAPPA)
+    series = expand(rope, 3, at={KAPPA: kappa, Omega: omega})
+    rest = complex(series.problem.rest or 0).real
+    drive = ramped_cosine(omega, small, 5)
+    times = drive.period * np.linspace(14, 15, 9)
+    errors = []
+    for dx in spacings:
+        ground = penalty_ground(RopeProblem(beta, drive), Grid(dx, 20.0, 10.0), kappa, 0.0)
+        run = solve(ground, times, rtol=1e-8, atol=1e-10)
+        found = np.array([crossing(ground.system.positions, h) for h in run.heights])
+        total = np.full(len(times), rest)
+        for n in range(1, 4):
+            for j, c in series.contact(n).items():
+                wave = (2 if j else 1) * c * np.exp(1j * j * omega * times)
+                total += small**n * wave.real
+        errors.append(float(np.max(np.abs(found - total))))
+    amplitude = small * 2 * abs(series.contact(1)[1])
+    assert errors[-1] < 0.015 * amplitude
+    assert len(errors) == 1 or errors[1] < 0.5 * errors[0]
