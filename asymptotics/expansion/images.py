@@ -22,7 +22,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from asymptotics.expansion.order_loop import Expansion, Order
-from asymptotics.problems.problem import Ground, Mode, Problem
+from asymptotics.problems.problem import Ground, Mode, Problem, Varying
 from asymptotics.rings.harmonics import Harmonics
 from asymptotics.rings.ring import E, Element, Ring
 
@@ -63,7 +63,27 @@ def image_of_problem(problem: Problem[E], ring: Ring[F], value: Callable[[E], F]
         end_unit=cache(lambda j: row(problem.end_unit(j))),
         load=tuple(map(value, problem.load)),
         static_end_residual=static_end_residual,
+        varying=None if problem.varying is None else _image_of_varying(problem, ring, row),
         ground=None if problem.ground is None else _image_of_ground(problem, ring, row),
+    )
+
+
+def _image_of_varying(
+    problem: Problem[E], ring: Ring[F], row: Callable[[Sequence[E]], tuple[F, ...]]
+) -> Varying[F]:
+    varying, one, zero = problem.varying, problem.ring.one, problem.ring.zero
+    assert varying is not None
+    r = len(problem.mode(0).reduction)
+
+    @cache
+    def residual(j: int, q: int) -> tuple[F, ...]:
+        length = r + q + 1
+        units = [[one if i == k else zero for i in range(length)] for k in range(length)]
+        return row([varying.residual(j, q, unit) for unit in units])
+
+    return Varying(
+        cache(lambda j, d: row(varying.weights(j, d))),
+        lambda j, q, w: _inner(residual(j, q), w, ring),
     )
 
 

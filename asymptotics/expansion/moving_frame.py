@@ -15,6 +15,9 @@ module also serves to prove them (:mod:`asymptotics.expansion.proof`). With φ_{
 
 the first sum being the static shape's.
 
+Where the equation's coefficients vary with ξ nothing reduces: G_{k,l} are then Taylor coefficients
+of W at the contact point, W = Σ G_l s^l/l! + …, and all reductions are zero.
+
 Where the ring is not even in time, φ_{k,l} may be complex; the sum over k > 0 is then understood
 with its complex conjugate added, and its G_{k,l} are complex functions of θ, stored for j < 0 too.
 """
@@ -119,13 +122,20 @@ def _one_side(
     derivative = derivative_towers(expansion, right=ground is not None)
     reduction = (lambda j: problem.mode(j).reduction) if ground is None else ground.reduction
     static_side: Problem[E] | Ground[E] = problem if ground is None else ground
+    static_reduction = static_side.static_reduction
+    if problem.varying is not None:
+        # No finite set of functions is carried into itself by a shift. W's Taylor series at the
+        # contact point is known as far as the orders reach.
+        depth = last + problem.contact_order
+        static_reduction = (ring.zero,) * (depth + 1)
+        reduction = lambda j: (ring.zero,) * depth  # noqa: E731
     first = {}
     for n in range(last, 0, -1):
         for k in expansion.shape(n):
             first[k] = n
     shifts = {k: _Shift(ring, reduction(k), last - start) for k, start in first.items()}
-    static_shift = _Shift(ring, static_side.static_reduction, last)
-    R = len(static_side.static_reduction)
+    static_shift = _Shift(ring, static_reduction, last)
+    R = len(static_reduction)
     static: tuple[Series[E], ...] = tuple([] for _ in range(R))
     modes: dict[int, tuple[Series[E], ...]] = {
         k: tuple([] for _ in range(shift.degree)) for k, shift in shifts.items()

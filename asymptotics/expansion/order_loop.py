@@ -29,7 +29,7 @@ from typing import Any, Generic, Protocol
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
-from asymptotics.problems.problem import ContactCondition, Problem
+from asymptotics.problems.problem import ContactCondition, Problem, Varying
 from asymptotics.rings.harmonics import Harmonics, Terms, collect, multiply_into
 from asymptotics.rings.ring import E
 
@@ -116,11 +116,20 @@ class _Towers(Generic[E]):
         return ring.sum([self.right(n, j, d), ring.rational(-1) * left])
 
     def derivative(self, n: int, j: int, d: int) -> E:
+        if self.problem.varying is not None:
+            return self._by_leibniz(self.known[n, j], self.problem.varying, j, d)
         return self._grown(self.known[n, j], self.problem.mode(j).reduction, d)
 
     def right(self, n: int, j: int, d: int) -> E:
         assert self.problem.ground is not None
         return self._grown(self.beyond[n, j], self.problem.ground.reduction(j), d)
+
+    def _by_leibniz(self, tower: list[E], varying: Varying[E], j: int, d: int) -> E:
+        while len(tower) <= d:
+            weights = varying.weights(j, len(tower))
+            products = [chi * t for chi, t in zip(weights, tower, strict=True)]
+            tower.append(self.problem.ring.sum(products))
+        return tower[d]
 
     def _grown(self, tower: list[E], reduction: tuple[E, ...], d: int) -> E:
         ring, r = self.problem.ring, len(reduction)

@@ -24,7 +24,7 @@ Over numbers and balls it is about those numbers, and the verdict is another:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic
 
@@ -161,7 +161,7 @@ def residuals(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> Residua
     r = len(problem.mode(0).reduction)
     depth = expansion.order - n + (problem.contact_order if problem.ground is None else r)
     equation = {
-        (j, d): problem.equation_residual(j, [derivative(n, j, d + i) for i in range(r + 1)])
+        (j, d): _differentiated(problem, j, d, lambda i, j=j: derivative(n, j, i))  # type: ignore[misc]
         for j in shape
         for d in range(depth)
     }
@@ -185,18 +185,27 @@ def residuals(expansion: Expansion[E], frame: MovingFrame[E], n: int) -> Residua
     return Residuals(equation, ends, _contact_residuals(frame, n))
 
 
+def _differentiated(problem: Problem[E], j: int, d: int, derivative: Callable[[int], E]) -> E:
+    """What is left of the equation's d-th derivative."""
+    r = len(problem.mode(j).reduction)
+    if problem.varying is not None:
+        return problem.varying.residual(j, d, [derivative(i) for i in range(r + d + 1)])
+    return problem.equation_residual(j, [derivative(d + i) for i in range(r + 1)])
+
+
 def _static_residuals(expansion: Expansion[E], frame: MovingFrame[E]) -> Residuals[E]:
     """The same of the static shape; its reduction to lower derivatives counts as equation."""
     problem = expansion.problem
     ring, static, reduction = problem.ring, problem.static, problem.static_reduction
     minus, R = ring.rational(-1), len(reduction)
-    r = len(problem.mode(0).reduction)
     equation = {}
     for d in range(expansion.order + 1):
-        terms = [problem.equation_residual(0, [static(d + i) for i in range(r + 1)])]
+        terms = [_differentiated(problem, 0, d, static)]
         if d < len(problem.load):
             terms.append(minus * problem.load[d])
         equation[0, d] = ring.sum(terms)
+        if problem.varying is not None:
+            continue
         lower = [chi * static(d + i) for i, chi in enumerate(reduction)]
         equation[1, d] = ring.sum([minus * static(d + R), *lower])
     ends = {(i, 0): x for i, x in enumerate(problem.static_end_residual(static))}

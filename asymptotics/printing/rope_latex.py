@@ -253,6 +253,16 @@ def _definitions(forms: RopeForms) -> str:
     last = m - 2
     data = "0" if last == 0 else rf"0,\dots,{last}"
     conjugate = "" if forms.generators.even else " A bar is the complex conjugate.\n"
+    way, factor = (
+        rf"""With $c_{{k}}$ the coefficient of $\partial_{{\xi}}^{{k}}W$ in the equation at
+$\partial_{{\tau}}=ij\Omega$, $A_{{j}}$ the companion matrix of
+$c_{{0}}/c_{{{r}}},\dots,c_{{{r - 1}}}/c_{{{r}}}$""",
+        r"e^{-A_{j}\xi_{0}}",
+    )
+    if forms.rope.varying:
+        way = r"""With $X_{j}$ the matrix that takes $(w,w',\dots)$ of a solution from $\xi_{0}$ to
+$\xi=0$"""
+        factor = "X_{j}"
     return rf"""Here $\theta=\Omega\tau$, $\hat\epsilon=\epsilon/a_{{{m}}}$ and
 $\alpha_{{d}}=a_{{d}}/a_{{{m}}}$ with $a_{{d}}=\partial_{{\xi}}^{{d}}W_{{0}}$ at the static contact
 point $\xi_{{0}}$. Of the solutions $e^{{ij\theta}}w(\xi)$ of the homogeneous equation,
@@ -261,10 +271,8 @@ $\partial_{{\xi}}^{{k}}\Phi^{{(j)}}_{{i}}=\delta_{{ki}}$ at $\xi_{{0}}$ for $k\l
 $\Lambda_{{j}}$ has zeros there and is driven with harmonic $j$ of the drive. Their derivatives at
 $\xi_{{0}}$ are $Y^{{(j)}}_{{d,i}}=\partial_{{\xi}}^{{d}}\Phi^{{(j)}}_{{i}}$ and
 $S^{{(j)}}_{{d}}=\partial_{{\xi}}^{{d}}\Lambda_{{j}}$.{conjugate}
-With $c_{{k}}$ the coefficient of $\partial_{{\xi}}^{{k}}W$ in the equation at
-$\partial_{{\tau}}=ij\Omega$, $A_{{j}}$ the companion matrix of
-$c_{{0}}/c_{{{r}}},\dots,c_{{{r - 1}}}/c_{{{r}}}$, $E_{{j}}$ the ${n}\times{r}$ coefficients of the
-conditions at the driven end and $M=E_{{j}}e^{{-A_{{j}}\xi_{{0}}}}$, whose last ${n}$ columns are
+{way}, $E_{{j}}$ the ${n}\times{r}$ coefficients of the
+conditions at the driven end and $M=E_{{j}}{factor}$, whose last ${n}$ columns are
 ${{\sf S}}$, the first ${n}$ of them solve
 ${{\sf S}}\,(Y^{{(j)}}_{{{m - 1},i}},\dots,Y^{{(j)}}_{{{r - 1},i}})^{{T}}=-M_{{\cdot i}}$ and
 ${{\sf S}}\,(S^{{(j)}}_{{{m - 1}}},\dots,S^{{(j)}}_{{{r - 1}}})^{{T}}={{}}$drive, and the others

@@ -18,6 +18,7 @@ import sympy
 from sympy.printing.jscode import JavascriptCodePrinter
 from sympy.printing.numpy import NumPyPrinter
 
+from asymptotics.errors import InputError
 from asymptotics.formulas.polynomials import brackets
 from asymptotics.formulas.rope import RopeForms
 from asymptotics.printing.javascript import broken, emitted_javascript, with_bodies
@@ -43,6 +44,7 @@ def rope_numpy(forms: RopeForms) -> str:
     >>> round(float(namespace["contact"](0.0, 2.2, 0.01)), 7)
     0.9488241
     """
+    _check(forms)
     bodies = {
         "_amplitudes": _python_amplitudes(forms),
         "_contact_data": _python_data(forms),
@@ -76,6 +78,7 @@ def rope_javascript(forms: RopeForms) -> str:
     >>> print(rope_javascript(rope_forms(string(foundation=1.7), 3)).splitlines()[0])
     // The rope 1.7*W + W_tautau - W_xixi = -2, through order 3 in epsilon.
     """
+    _check(forms)
     rope, js = forms.rope, _JavaScript()
     x = sympy.Symbol("x")
     listed = [f"[{n}, {j}, x{n}_{j}]" for n, j in forms.places()]
@@ -105,6 +108,15 @@ def rope_javascript(forms: RopeForms) -> str:
     }
     source = with_bodies(emitted_javascript("rope"), bodies, constants)
     return _titled(source, forms)
+
+
+def _check(forms: RopeForms) -> None:
+    """That a module can compute the impedances."""
+    if forms.rope.varying:
+        raise InputError(
+            f"{forms.rope}: modules compute impedances of equations with constant coefficients; "
+            "text, LaTeX and JSON have the formulas, expand(rope, order, at=…) the numbers"
+        )
 
 
 def _parameters(forms: RopeForms) -> tuple[str, ...]:

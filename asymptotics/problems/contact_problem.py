@@ -23,9 +23,16 @@ from asymptotics.problems.compliant import (
 from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.fundamental import Propagator, product, solve
 from asymptotics.problems.moving_contact import MovingContact
-from asymptotics.problems.problem import Mode, Problem
+from asymptotics.problems.problem import Mode, Problem, Varying
 from asymptotics.problems.rounded_problem import rounded_problem
-from asymptotics.problems.static_contact import Values, check_static_shape, static_data
+from asymptotics.problems.static_contact import (
+    Values,
+    check_static_shape,
+    polynomials,
+    rates_of,
+    static_data,
+)
+from asymptotics.problems.varying import VaryingPropagator, differentiated, weights
 from asymptotics.rings.balls import AcbRing, ArbRing
 from asymptotics.rings.pickling import remembering
 from asymptotics.rings.precision import PrecisionError
@@ -51,6 +58,7 @@ class Enclosed:
             self.static_beyond = self.static.on_springs(self.springs)
         self.beyond = cache(self._beyond)
         self.mode, self.end_rows = cache(self._mode), cache(self._end_rows)
+        self.static_end_rows = cache(self._static_end_rows)
 
     def _amplitudes(self, drive: dict[int, sympy.Expr]) -> dict[int, acb]:
         """j ≥ 0 ↦ the amplitude of e^{ijΩτ}, when the drive is real."""
@@ -76,8 +84,12 @@ class Enclosed:
             found[k] = found[k] + enclose(value, self.values) * (rate**power if power else 1)
         return found
 
-    def propagator(self, j: int) -> Propagator:
+    def propagator(self, j: int) -> Propagator | VaryingPropagator:
         """Of harmonic j, when its leading coefficient does not vanish."""
+        if self.rope.varying:
+            rate = acb(0, 1) * j * self.omega
+            varying = polynomials(self.rope, self.values, rate)
+            return VaryingPropagator(tuple(varying), [], self.static.point)
         found = self.rates(self.rope.equation.terms, j, self.r + 1)
         leading = found[self.r]
         if leading.contains(0):
@@ -139,9 +151,27 @@ class Enclosed:
         growth = growth_rates(self.rope, self.values, j, self.r)
         return derivatives(allowed(there, growth, f"harmonic {j}"), self.r)
 
+    def varying(self) -> Varying[Any] | None:
+        """The equation differentiated, where its coefficients vary."""
+        if not self.rope.varying:
+            return None
+        rates = cache(lambda j: rates_of(self.propagator(j)))
+
+        def row(j: int, d: int) -> tuple[Any, ...]:
+            return tuple(map(self.element, weights(rates(j), d)))
+
+        def residual(j: int, q: int, w: Sequence[Any]) -> Any:
+            found = differentiated(rates(j), q)
+            return self.ring.sum([self.element(c) * x for c, x in zip(found, w, strict=True)])
+
+        return Varying(cache(row), residual)
+
     def equation_residual(self, j: int, w: Sequence[Any]) -> Any:
         """The polynomials c_k themselves, on w, w′, …."""
-        found = self.rates(self.rope.equation.terms, j, self.r + 1)
+        if self.rope.varying:
+            found = list(self.propagator(j).coefficients)
+        else:
+            found = self.rates(self.rope.equation.terms, j, self.r + 1)
         return self.ring.sum([self.element(c) * x for c, x in zip(found, w, strict=True)])
 
     def _end_rows(self, j: int) -> tuple[list[list[Any]], list[Any]]:
@@ -161,7 +191,7 @@ class Enclosed:
         ]
         return [[self.element(x) for x in row] for row in rows], [self.element(x) for x in unit]
 
-    def static_end_rows(self) -> tuple[list[list[Any]], list[Any]]:
+    def _static_end_rows(self) -> tuple[list[list[Any]], list[Any]]:
         """The same for the static shape: rows on a_0 … a_{r−1} and what they leave without any."""
         static = self.static
         table = product(self.rows(0), static.propagator.stepwise(static.point))
@@ -235,6 +265,7 @@ def enclosed_problem(rope: MovingContact, values: Values) -> Problem[Any]:
         load=tuple(map(made.element, static.load)),
         static_end_residual=static_end_residual,
         rest=made.element(acb(static.point)),
+        varying=made.varying(),
         ground=None if made.springs is None else ground_of(made),
     )
 

@@ -180,7 +180,7 @@ def _orders(item: sympy.Derivative, known: Letters, what: str) -> tuple[int, int
 
 
 def equation(statement: Any, known: Letters) -> Linear:
-    """The equation of the lifted part, when its coefficients are constants and ε is not in it.
+    """The equation of the lifted part, when its coefficients are polynomials in ξ without τ and ε.
 
     Raises
     ------
@@ -189,12 +189,11 @@ def equation(statement: Any, known: Letters) -> Linear:
     """
     found = linear(statement, known, "equation")
     for (k, t), value in found.terms.items():
-        for letter in (known.xi, known.tau):
-            if value.has(letter):
-                raise InputError(
-                    f"equation: the coefficient {value} of {derivative(k, t)} depends on {letter}; "
-                    "coefficients have to be constants"
-                )
+        if value.has(known.tau) or not value.is_polynomial(known.xi):
+            raise InputError(
+                f"equation: the coefficient {value} of {derivative(k, t)} has to be a constant, or "
+                f"a polynomial in {known.xi}"
+            )
     if found.right.has(known.tau):
         raise InputError(f"equation: the load {found.right} depends on {known.tau}")
     if any(x.has(known.epsilon) for x in (*found.terms.values(), found.right)):

@@ -13,7 +13,7 @@ hide what that costs; whoever asks doubles their bits until enough is left.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from flint import acb, acb_mat, arb, ctx
@@ -62,6 +62,12 @@ class Propagator:
     def backwards(self, length: arb) -> acb_mat:
         """e^{−A·length}: the states at ξ = 0 from those at ξ₀ = ``length``."""
         return (self.matrix() * acb(-length)).exp()
+
+    def steps(self, length: arb, count: int) -> Iterator[acb_mat]:
+        """From ξ₀ = ``length`` to 0 in equal steps."""
+        step = self.backwards(length / count)
+        for _ in range(count):
+            yield step
 
     def stepwise(self, length: arb) -> acb_mat:
         """The same by Taylor's series in steps, without FLINT's exponential: for the proof.

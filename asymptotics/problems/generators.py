@@ -219,6 +219,9 @@ def values_of(problem: Problem[Any], generators: Generators) -> dict[str, Any]:
         mode = problem.mode(j)
         start = mode.source if datum is None else mode.impedance[datum]
         tower = towers.setdefault((j, datum), list(start))
+        while len(tower) <= d and problem.varying is not None:
+            weights = problem.varying.weights(j, len(tower))
+            tower.append(ring.sum([chi * x for chi, x in zip(weights, tower, strict=True)]))
         while len(tower) <= d:
             below = tower[-len(mode.reduction) :]
             products = [chi * x for chi, x in zip(mode.reduction, below, strict=True)]

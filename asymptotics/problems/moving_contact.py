@@ -81,6 +81,11 @@ class MovingContact:
         return self.equation.order
 
     @property
+    def varying(self) -> bool:
+        """Whether a coefficient depends on ξ."""
+        return any(value.has(self.letters.xi) for value in self.equation.terms.values())
+
+    @property
     def parameters(self) -> tuple[str, ...]:
         """The names that need a value, Ω the last."""
         known, names = self.letters, set()
@@ -194,7 +199,9 @@ def moving_contact(
     ----------
     equation
         Σ c_{kt} ∂_ξ^k ∂_τ^t W = ℓ, an ``Eq`` in W(ξ, τ), of order r ≤ 8 in ξ; constants and
-        parameters as coefficients.
+        parameters as coefficients, or polynomials in ξ. With the latter there are numbers, balls,
+        proof and ξ_c, and formulas in impedances; not modules that compute these, nor arrays of
+        points, nor the profile.
     driven_end
         r − m + 1 conditions at ξ = 0, ``Eq`` of derivatives below r in ξ; one or more with
         ε times a finite sum of cos(nΩτ + φ) on the right.
@@ -242,6 +249,8 @@ def moving_contact(
     polynomial = height.is_polynomial(known.xi) and not height.has(known.tau, known.epsilon)
     if not polynomial:
         raise InputError(f"ground: {ground} is not a polynomial in {known.xi}")
+    if stiff != 0 and any(value.has(known.xi) for value in lifted.terms.values()):
+        raise InputError("springs: they are for equations with constant coefficients")
     rope = _over(lifted, tuple(conditions), m, sympy.expand(height), known)
     return replace(rope, springs=stiff)
 

@@ -94,6 +94,22 @@ class Ground(Generic[E]):
 
 
 @dataclass(frozen=True)
+class Varying(Generic[E]):
+    """An equation whose coefficients vary with ξ: its derivatives at ξ₀ by Leibniz' rule.
+
+    Attributes
+    ----------
+    weights
+        (j, d) ↦ ∂^d, d ≥ r, in terms of w … w^{(d−1)}.
+    residual
+        (j, q, [w, …, w^{(r+q)}]) ↦ what the q-th derivative of the equation leaves of a harmonic.
+    """
+
+    weights: Callable[[int, int], tuple[E, ...]]
+    residual: Callable[[int, int, Sequence[E]], E] = field(repr=False)
+
+
+@dataclass(frozen=True)
 class Problem(Remembered, Generic[E]):
     r"""Everything the order loop and the proof need to know.
 
@@ -132,6 +148,8 @@ class Problem(Remembered, Generic[E]):
         not need it, its values do.
     ground
         What lies beyond ξ_c, where that moves; None where it lies still.
+    varying
+        Where coefficients depend on ξ; the reductions then hold at ξ₀ only.
     balls
         Makes the same problem over balls, in the precision of the moment. Where it is given,
         :func:`~asymptotics.expansion.order_loop.expand` computes there and rounds to doubles, all
@@ -158,6 +176,7 @@ class Problem(Remembered, Generic[E]):
     balls: Callable[[], Problem[Any]] | None = field(default=None, repr=False)
     sweep: Sweep | None = field(default=None, repr=False)
     ground: Ground[E] | None = field(default=None, repr=False)
+    varying: Varying[E] | None = field(default=None, repr=False)
 
     @property
     def conditions(self) -> tuple[ContactCondition, ...]:

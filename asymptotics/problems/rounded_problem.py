@@ -8,7 +8,7 @@ from typing import Any
 
 from flint import arb, ctx
 
-from asymptotics.problems.problem import Ground, Mode, Problem
+from asymptotics.problems.problem import Ground, Mode, Problem, Varying
 from asymptotics.rings.balls import ArbRing
 from asymptotics.rings.precision import at_precision, until
 from asymptotics.rings.ring import ComplexRing, FloatRing
@@ -102,6 +102,24 @@ def rounded_problem(name: str, made: Callable[[], Balls]) -> Problem[Any]:
         values = [ring.one, *(a(d) for d in range(r))]
         return tuple(_inner(ring, row, values) for row in static_ends())
 
+    def varying() -> Varying[Any]:
+        @cache
+        def residual(j: int, q: int) -> tuple[Any, ...]:
+            def rows(balls: Balls) -> list[Any]:
+                one: Any = balls.varying
+                return [one.residual(j, q, unit) for unit in units(balls, r + q + 1)]
+
+            return numbers(rows)
+
+        def weights(j: int, d: int) -> tuple[Any, ...]:
+            def row(balls: Balls) -> Sequence[Any]:
+                one: Any = balls.varying
+                return tuple(one.weights(j, d))
+
+            return numbers(row)
+
+        return Varying(cache(weights), lambda j, q, w: _inner(ring, residual(j, q), w))
+
     def ground() -> Ground[Any]:
         return Ground(
             static=cache(lambda d: one(lambda balls: side(balls, True).static(d))),
@@ -128,6 +146,7 @@ def rounded_problem(name: str, made: Callable[[], Balls]) -> Problem[Any]:
         static_end_residual=static_end_residual,
         rest=one(lambda balls: balls.rest),
         balls=made,
+        varying=None if first.varying is None else varying(),
         ground=None if first.ground is None else ground(),
     )
 

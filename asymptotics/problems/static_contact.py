@@ -27,6 +27,13 @@ from asymptotics.problems.compliant import Beyond, on_springs, stiffness
 from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.fundamental import Propagator, magnitude, product, solve
 from asymptotics.problems.moving_contact import MovingContact
+from asymptotics.problems.varying import (
+    VaryingPropagator,
+    derivatives,
+    differentiated,
+    polynomial,
+)
+from asymptotics.problems.varying import value as value_at
 from asymptotics.rings.precision import PrecisionError, at_precision
 
 # Where zeros are looked for, in units of x₀: a rope that is lifted over less or more of it has its
@@ -61,7 +68,7 @@ class StaticData:
     """
 
     point: arb
-    propagator: Propagator
+    propagator: Propagator | VaryingPropagator
     load: tuple[acb, ...]
     first: tuple[acb, ...]
     constants: tuple[acb, ...]
@@ -69,6 +76,7 @@ class StaticData:
 
     def on_springs(self, springs: acb) -> StaticData:
         """The same from the right, where springs add to the coefficient of W."""
+        assert isinstance(self.propagator, Propagator)
         there = replace(
             self.propagator, coefficients=on_springs(self.propagator.coefficients, springs)
         )
@@ -78,14 +86,18 @@ class StaticData:
 
     def derivative(self, d: int) -> acb:
         """a_d, from ℓ and the equation differentiated."""
-        tower, c = list(self.first), self.propagator.coefficients
-        r = len(c) - 1
+        tower, r = list(self.first), self.propagator.order
         while len(tower) <= d:
             q = len(tower) - r
             load = self.load[q] if q < len(self.load) else acb(0)
-            below = sum((c[k] * tower[k + q] for k in range(r)), acb(0))
-            tower.append((load - below) / c[r])
+            *lower, leading = differentiated(self.rates(), q)
+            below = sum((c * w for c, w in zip(lower, tower, strict=True)), acb(0))
+            tower.append((load - below) / leading)
         return tower[d]
+
+    def rates(self) -> list[list[acb]]:
+        """c_k and their derivatives at ξ₀."""
+        return rates_of(self.propagator)
 
 
 def static_reduction(c: Sequence[acb], p: int) -> tuple[acb, ...]:
@@ -94,15 +106,37 @@ def static_reduction(c: Sequence[acb], p: int) -> tuple[acb, ...]:
     return (*[acb(0)] * p, *(-c[k] / c[r] for k in range(r)))
 
 
+def polynomials(
+    rope: MovingContact, values: Mapping[str, Fraction], rate: acb | None
+) -> list[list[acb]]:
+    """c_k(ξ) at p = ``rate``, at rest without one, as coefficients of 1, ξ, …."""
+    found: list[list[acb]] = [[acb(0)] for _ in range(rope.order + 1)]
+    for (k, t), expression in rope.equation.terms.items():
+        if rate is None and t:
+            continue
+        factor = rate**t if rate is not None and t else acb(1)
+        for i, x in enumerate(polynomial(expression, rope.letters.xi, values)):
+            if i == len(found[k]):
+                found[k].append(acb(0))
+            found[k][i] = found[k][i] + x * factor
+    return found
+
+
+def rates_of(propagator: Propagator | VaryingPropagator) -> list[list[acb]]:
+    """c_k and their derivatives at ξ₀."""
+    if isinstance(propagator, Propagator):
+        return [[c] for c in propagator.coefficients]
+    return [derivatives(c, acb(propagator.point)) for c in propagator.polynomials]
+
+
 class _Rest:
     """The equation at rest, in the precision of the moment."""
 
     def __init__(self, rope: MovingContact, values: Mapping[str, Fraction]) -> None:
         self.rope, self.values, self.r, self.m = rope, values, rope.order, rope.contact_order
-        self.coefficients = [acb(0)] * (self.r + 1)
-        for (k, t), value in rope.equation.terms.items():
-            if t == 0:
-                self.coefficients[k] = self.coefficients[k] + enclose(value, values)
+        self.known: dict[float, acb_mat] = {}
+        self.polynomials = polynomials(rope, values, None)
+        self.coefficients = [c[0] for c in self.polynomials]
         self.rows = [
             [
                 sum(
@@ -129,7 +163,9 @@ class _Rest:
             current = [k * x for k, x in enumerate(current)][1:]
         return tuple(found)
 
-    def propagator(self, point: arb) -> Propagator:
+    def propagator(self, point: arb) -> Propagator | VaryingPropagator:
+        if self.rope.varying:
+            return VaryingPropagator(tuple(self.polynomials), self.load, point, self.known)
         return Propagator(tuple(self.coefficients), self.loads(point))
 
     def system(self, point: arb) -> tuple[list[list[acb]], list[acb]]:
@@ -184,6 +220,7 @@ class _RestOnSprings(_Rest):
 
     def _system(self, point: arb) -> tuple[Beyond, list[list[acb]], list[acb]]:
         left = self.propagator(point)
+        assert isinstance(left, Propagator)
         left = left if left.load else replace(left, load=(acb(0),))
         beyond = Beyond.at(left, self.springs)
         return beyond, *beyond.system(self.rows, self.constants, left, point)
@@ -211,7 +248,13 @@ class _RestOnSprings(_Rest):
 
 
 def _rest_of(rope: MovingContact, values: Mapping[str, Fraction]) -> _Rest:
-    return _Rest(rope, values) if rope.springs == 0 else _RestOnSprings(rope, values)
+    return _made_rest(rope, tuple(sorted(values.items())), ctx.prec)
+
+
+@lru_cache(maxsize=32)
+def _made_rest(rope: MovingContact, values: Values, bits: int) -> _Rest:
+    """In the precision of the moment, which is ``bits``."""
+    return (_Rest if rope.springs == 0 else _RestOnSprings)(rope, dict(values))
 
 
 @lru_cache(maxsize=256)
@@ -232,6 +275,9 @@ def bracket(rope: MovingContact, values: Values) -> tuple[float, float]:
             sign, bits = _sign(rope, given, place, bits)
         except PrecisionError:
             why.append(f"beyond xi = {place:.3g} layers are too thin to look")
+            break
+        except InputError as error:  # a leading coefficient that vanishes there
+            why.append(str(error))
             break
         if before is not None and before[1] != sign:
             wrong = _inadmissible(rope, given, (before[0], place), bits)
@@ -294,9 +340,8 @@ def _heights(rest: _Rest, point: arb) -> list[arb]:
     """W₀ − g at equal steps from next to the contact point to the driven end."""
     equation = rest.propagator(point)
     state = acb_mat([[x] for x in (*rest.first(point), *equation.load)])
-    step = equation.backwards(point / _SAMPLES)
     found = []
-    for _ in range(_SAMPLES):
+    for step in equation.steps(point, _SAMPLES):
         state = step * state
         found.append(state[0, 0].real)
     return found
@@ -308,7 +353,8 @@ def _check_reaction(rope: MovingContact, values: Mapping[str, Fraction], contact
     if inertia is None:
         return  # nothing says which way the equation's right-hand side pushes
     with at_precision(64):
-        sign = 1.0 if enclose(inertia, values).real > 0 else -1.0
+        mass = polynomial(inertia, rope.letters.xi, values)
+        sign = 1.0 if value_at(mass, acb(contact)).real > 0 else -1.0
         load = [-sign * float(x.real.mid()) for x in _Rest(rope, values).load]
     roots = np.roots(load[::-1])
     turning = sorted(float(x.real) for x in roots if abs(x.imag) < 1e-12 and x.real > contact)
@@ -366,7 +412,7 @@ def _static_data(rope: MovingContact, given: Values, bits: int) -> StaticData:
     point = enclosed_root(rest.height, lower, upper)
     equation = rest.propagator(point)
     load = equation.load or (acb(0),)
-    reduction = static_reduction(rest.coefficients, len(load))
+    reduction = static_reduction(equation.coefficients, len(load))
     return StaticData(point, equation, load, tuple(rest.first(point)), rest.constants, reduction)
 
 

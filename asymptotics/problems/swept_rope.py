@@ -110,9 +110,10 @@ def swept_problem(rope: MovingContact, at: Mapping[Any, Any]) -> Problem[Any]:
     >>> (2 * series.contact(1)[1]).round(12)
     array([0.89001252, 0.84261588])
     """
-    if rope.springs != 0:
+    if rope.springs != 0 or rope.varying:
         raise InputError(
-            f"{rope}: arrays of points are for a ground that does not give way; expand one by one"
+            f"{rope}: arrays of points are for constant coefficients and a ground that does not "
+            "give way; expand one by one"
         )
     values = broadcast(rope, at)
     points = _Points(rope, values)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 import sympy
 
 from asymptotics.checks import axis, check_order, finite_number, positions
+from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Progress, expansions
 from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.problems.problem import Problem
@@ -49,7 +50,8 @@ def evaluate_rope(
     rope, at
         As for :func:`asymptotics.expand`.
     epsilon, order, s, tau, progress
-        As for :func:`asymptotics.values.evaluate.evaluate`; s None are quarters of ξ₀.
+        As for :func:`asymptotics.values.evaluate.evaluate`; s None are quarters of ξ₀, or none
+        where coefficients vary with ξ: of such a rope there is the contact point only.
 
     Raises
     ------
@@ -66,6 +68,11 @@ def evaluate_rope(
     order, small = check_order(order), finite_number("epsilon", epsilon)
     values, times = rope.values(at), axis("tau", tau)
     places = positions([] if s is None else s, times.size)
+    if rope.varying and places.size:
+        raise InputError(
+            "s: the profile is not offered where coefficients vary with xi; leave s out, or give "
+            "an empty list, for the contact point alone"
+        )
     problem: Problem[Any] = rope.at(at)
     rest = complex(problem.rest or 0).real
     for solution in expansions(problem, order):
@@ -77,7 +84,7 @@ def evaluate_rope(
     def phase(j: int, t: Any) -> Any:
         return j * omega * t
 
-    if s is None and times.size:
+    if s is None and times.size and not rope.varying:
         lowest = response(solution, phase, small, [], times).contact.min()
         places = np.array([x for x in rest * np.linspace(-1, 0, 5) if x >= -lowest])
     frame_done = None if progress is None else lambda n: progress(order + n)

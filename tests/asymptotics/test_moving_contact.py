@@ -183,8 +183,8 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "ε in the equation": ({"equation": sp.Eq(WAVE.lhs, WAVE.rhs + epsilon * W)}, "ε stands in it"),
     "varying tension": (
-        {"equation": sp.Eq(WAVE.lhs, (1 + xi) * W.diff(xi, 2) - 2)},
-        "have to be constants",
+        {"equation": sp.Eq(WAVE.lhs, sp.exp(xi) * W.diff(xi, 2) - 2)},
+        "has to be a constant, or a polynomial in xi",
     ),
     "load in time": ({"equation": sp.Eq(WAVE.lhs, WAVE.rhs + sp.cos(tau))}, "depends on tau"),
     "order nine": ({"equation": sp.Eq(WAVE.lhs, W.diff(xi, 9) - 2)}, "between 1 and 8"),
