@@ -23,14 +23,15 @@ once computed, is never touched again: extending an expansion appends to it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.problems.problem import ContactCondition, Problem, Varying
-from asymptotics.rings.harmonics import Harmonics, Terms, collect, multiply_into
+from asymptotics.rings.harmonics import Harmonics, Terms, collect, multiply_into, reachable
+from asymptotics.rings.precision import PrecisionError
 from asymptotics.rings.ring import E
 
 Progress = Callable[[int], None]
@@ -41,6 +42,9 @@ class Rope(Protocol):
 
     def at(self, at: Mapping[Any, Any] | None) -> Problem[Any]:
         """The problem there."""
+
+    def check_resonance(self, at: Mapping[Any, Any] | None, harmonics: Sequence[int]) -> None:
+        """Raise a ResonanceError where one of the harmonics has a pole there."""
 
 
 @dataclass(frozen=True)
@@ -186,6 +190,9 @@ def expand(
     ------
     InputError
         ``order`` is not a whole number ≥ 1, or ``start`` belongs to another problem.
+    ResonanceError
+        A rope at Ω so close to one of its free frequencies over a harmonic in use that 8192 bits
+        do not tell.
 
     Examples
     --------
@@ -197,15 +204,39 @@ def expand(
     {0: (-Omega^2)/(16), 2: (-Omega^3*c^2 + Omega^3)/(32*(c))}
     """
     if not isinstance(problem, Problem):
-        problem = problem.at(at)
+        rope, problem = problem, problem.at(at)
+        steps = named_poles(expansions(problem, order, start), rope, at, check_order(order))
     elif at is not None:
         raise InputError(f"at = {at!r}: {problem.name} has its numbers already; leave it out")
+    else:
+        steps = expansions(problem, order, start)
     expansion = replace(start, orders=start.orders[: check_order(order)]) if start else None
-    for expansion in expansions(problem, order, start):
+    for expansion in steps:
         if progress is not None:
             progress(expansion.order)
     assert expansion is not None
     return expansion
+
+
+def named_poles(
+    steps: Iterator[Expansion[Any]], rope: Rope, at: Mapping[Any, Any] | None, order: int
+) -> Iterator[Expansion[Any]]:
+    """The same, but where no number of bits is enough the error names the resonance.
+
+    Raises
+    ------
+    ResonanceError
+        Ω is at a free frequency over a harmonic in use.
+    """
+    drive: list[int] = []
+    try:
+        for expansion in steps:
+            drive = list(expansion.problem.drive)
+            yield expansion
+    except PrecisionError:
+        excited = {j for n in range(1, order + 1) for j in reachable(drive or [1], n)}
+        rope.check_resonance(at, sorted(excited))
+        raise
 
 
 def expansions(

@@ -47,6 +47,37 @@ def impedances(equation: Any, ends: Any, amplitudes: Any, length: Any, data: int
     Y, S
         (points, r, data) and (points, r): derivatives 0 ... r - 1 per datum, and of the drive.
     """
+    plane, driven, powers, known = _at_contact(equation, ends, amplitudes, length, data)
+    upper, lower = plane[:, :data], plane[:, data:]
+    singular = np.linalg.svd(upper, compute_uv=False)
+    regular = singular[:, -1] > 2.0**-26  # else half the digits are gone
+    upper = np.where(regular[:, None, None], upper, np.eye(data))
+    by_datum = lower @ np.linalg.inv(upper)
+    by_drive = driven[:, data:] - (by_datum @ driven[:, :data, None])[..., 0]
+    points = len(powers)
+    table = np.concatenate([np.broadcast_to(np.eye(data), (points, data, data)), by_datum], axis=1)
+    table = table * powers[:, :, None] / powers[:, None, :data]
+    source = np.concatenate([np.zeros((points, data)), by_drive], axis=1) * powers
+    lost = np.where(regular & known, 0.0, np.nan)
+    return table + lost[:, None, None], source + lost[:, None]
+
+
+def characteristic(equation: Any, ends: Any, length: Any, data: int) -> Any:
+    """Two determinants: the first vanishes at a resonance, and over the second is analytic.
+
+    Arguments as in :func:`impedances`. Their quotient is 1/Y of the first further derivative per
+    last contact datum. The first is continuous where the equation is real.
+    """
+    nothing = np.zeros(ends.shape[:2])
+    plane, _, powers, known = _at_contact(equation, ends, nothing, length, data)
+    upper = plane[:, :data]
+    exchanged = np.concatenate([upper[:, :-1], plane[:, data : data + 1]], axis=1)
+    lost = np.where(known, 0.0, np.nan)
+    return np.linalg.det(upper) + lost, np.linalg.det(exchanged) * powers[:, 1]
+
+
+def _at_contact(equation: Any, ends: Any, amplitudes: Any, length: Any, data: int) -> Any:
+    """What meets the driven end, at the contact point: a basis, a driven state, the units."""
     matrix, rate = _scaled(equation)
     known = np.isfinite(length) & np.isfinite(rate)
     matrix = np.where(known[:, None, None], matrix, 0.0)
@@ -61,18 +92,7 @@ def impedances(equation: Any, ends: Any, amplitudes: Any, length: Any, data: int
     step = _exponential(matrix * (rate * length / steps)[:, None, None])
     for _ in range(steps):
         plane, driven, _, _ = _carried(step, plane, driven)
-    upper, lower = plane[:, :data], plane[:, data:]
-    singular = np.linalg.svd(upper, compute_uv=False)
-    regular = singular[:, -1] > 2.0**-26  # else half the digits are gone
-    upper = np.where(regular[:, None, None], upper, np.eye(data))
-    by_datum = lower @ np.linalg.inv(upper)
-    by_drive = driven[:, data:] - (by_datum @ driven[:, :data, None])[..., 0]
-    points = len(rate)
-    table = np.concatenate([np.broadcast_to(np.eye(data), (points, data, data)), by_datum], axis=1)
-    table = table * powers[:, :, None] / powers[:, None, :data]
-    source = np.concatenate([np.zeros((points, data)), by_drive], axis=1) * powers
-    lost = np.where(regular & known, 0.0, np.nan)
-    return table + lost[:, None, None], source + lost[:, None]
+    return plane, driven, powers, known
 
 
 def towers(equation: Any, first: Any, depth: int, load: Any = None) -> Any:

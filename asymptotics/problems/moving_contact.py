@@ -167,6 +167,17 @@ class MovingContact:
             raise InputError(f"arithmetic = {arithmetic!r}; choose doubles or balls")
         return double_problem(self, values)
 
+    def check_resonance(self, at: Mapping[Any, Any] | None, harmonics: Sequence[int]) -> None:
+        """Raise a ResonanceError where a harmonic is numerically at a free frequency.
+
+        Of one point; arrays are checked where they are expanded.
+        """
+        if any(isinstance(value, np.ndarray | list) for value in (at or {}).values()):
+            return
+        from asymptotics.problems.free_frequencies import check_resonance
+
+        check_resonance(self, at or {}, harmonics)
+
     def __str__(self) -> str:
         ends = [
             f"{_sum(c.terms)} = {c.constant + self.letters.epsilon * c.forcing}"

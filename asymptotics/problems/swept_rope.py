@@ -49,14 +49,16 @@ def broadcast(rope: MovingContact, at: Mapping[Any, Any]) -> dict[str, Array]:
     return dict(zip(arrays, full, strict=True))
 
 
-class _Points:
-    """The rope's numbers, the points along the leading axis."""
+class Points:
+    """The rope's numbers, the points along the leading axis; ``still``: with its rest state."""
 
-    def __init__(self, rope: MovingContact, at: Mapping[str, Array]) -> None:
+    def __init__(self, rope: MovingContact, at: Mapping[str, Array], still: bool = True) -> None:
         self.rope, self.m, self.r = rope, rope.contact_order, rope.order
         self.shape = at["Omega"].shape
         self.at = {name: values.ravel() for name, values in at.items()}
         self.count = self.at["Omega"].size
+        if not still:
+            return
         xi = rope.letters.xi
         load = sympy.Poly(rope.equation.right, xi).all_coeffs()[::-1]
         self.load = self.columns(load).real
@@ -74,9 +76,16 @@ class _Points:
         full = [np.broadcast_to(self.number(e), (self.count,)) for e in expressions]
         return np.stack(full, axis=-1).astype(complex)
 
-    def rates(self, terms: Mapping[tuple[int, int], sympy.Expr], j: int, length: int) -> Array:
+    def rates(
+        self,
+        terms: Mapping[tuple[int, int], sympy.Expr],
+        j: int,
+        length: int,
+        omega: Array | None = None,
+    ) -> Array:
+        """Σ_t c_{kt} (ijΩ)^t; Ω may be another, and complex."""
         found = np.zeros((self.count, length), dtype=complex)
-        rate = 1j * j * self.at["Omega"]
+        rate = 1j * j * (self.at["Omega"] if omega is None else omega)
         for (k, t), value in terms.items():
             found[:, k] += self.number(value) * rate**t
         return found
@@ -116,7 +125,7 @@ def swept_problem(rope: MovingContact, at: Mapping[Any, Any]) -> Problem[Any]:
             "give way; expand one by one"
         )
     values = broadcast(rope, at)
-    points = _Points(rope, values)
+    points = Points(rope, values)
     drives = [points.amplitudes(j) for j in _harmonics(rope)]
     even = _is_even(rope) and not any(drive.imag.any() for drive in drives)
     ring: Any = FloatRing() if even else ComplexRing()
@@ -137,9 +146,11 @@ def swept_problem(rope: MovingContact, at: Mapping[Any, Any]) -> Problem[Any]:
     @cache
     def mode(j: int) -> Mode[Any]:
         equation = kind(points.equation(j))
-        table, source = impedances(
-            equation, kind(points.ends(j)), kind(points.amplitudes(j)), points.place, m - 1
-        )
+        ends, amplitudes = kind(points.ends(j)), kind(points.amplitudes(j))
+        try:
+            table, source = impedances(equation, ends, amplitudes, points.place, m - 1)
+        except ValueError as error:
+            raise InputError(f"harmonic {j}: {error}, or expand the points one by one") from None
         _check(rope, points, table.sum(axis=(1, 2)) + source.sum(axis=1), f" at harmonic {j}")
         return Mode(
             tuple(element(-equation[:, k] / equation[:, r]) for k in range(r)),
@@ -189,7 +200,7 @@ def _is_even(rope: MovingContact) -> bool:
     return not any(t % 2 for terms in statements for _, t in terms)
 
 
-def _check(rope: MovingContact, points: _Points, numbers: Array, where: str) -> None:
+def _check(rope: MovingContact, points: Points, numbers: Array, where: str) -> None:
     """Raise what the first point without a result has to say."""
     missing = np.flatnonzero(~np.isfinite(numbers))
     if not missing.size:

@@ -12,7 +12,7 @@ import sympy
 
 from asymptotics.checks import axis, check_order, finite_number, positions
 from asymptotics.errors import InputError
-from asymptotics.expansion.order_loop import Progress, expansions
+from asymptotics.expansion.order_loop import Progress, expansions, named_poles
 from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.problems.problem import Problem
 from asymptotics.values.response import Response, check_ordering, response
@@ -75,7 +75,7 @@ def evaluate_rope(
         )
     problem: Problem[Any] = rope.at(at)
     rest = complex(problem.rest or 0).real
-    for solution in expansions(problem, order):
+    for solution in named_poles(expansions(problem, order), rope, at, order):
         check_ordering(solution, small, rest)
         if progress is not None:
             progress(solution.order)

@@ -15,6 +15,7 @@ from derivations.commands.options import (
     OrderOption,
     PlotOption,
 )
+from derivations.commands.ropes import DampingOption, ProblemOption, SetOption, asked
 from derivations.output import show, wrote
 
 Ratio = Annotated[str, typer.Argument(metavar="P/Q", help="The resonance, e.g. 1/2.")]
@@ -27,19 +28,58 @@ def resonances(
         int, typer.Option(metavar="COUNT", min=1, help="How many linear resonances.")
     ] = 5,
     order: OrderOption = 3,
+    problem: ProblemOption = None,
+    values: SetOption = None,
+    damping: DampingOption = None,
     plot: PlotOption = None,
     latex: LatexOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Linear resonances Ω_n(β), and the nonlinear Ω_p(β)/q with q ≤ N between them."""
+    """Linear resonances Ω_n(β), and the nonlinear Ω_p(β)/q with q ≤ N between them.
+
+    With --problem or --damping: the free frequencies ω_p of that rope, and ω_p/q.
+    """
     from derivations.reports import resonances as report
 
     check_extras(latex, plot)
+    if problem is not None or values or damping is not None:
+        end = driven_end if beta else None
+        _of_rope(problem, values, beta or None, end, damping, count, order, plot, latex, as_json)
+        return
     table = report.resonance_table(beta, driven_end, count, order)
     if plot is not None:
         report.plot_spectrum(plot, table)
     show(report.as_json(table), report.as_text(table), as_json)
     write_extras(latex, report.latex_table(table), plot)
+
+
+def _of_rope(
+    problem: Path | None,
+    values: list[str] | None,
+    beta: float | None,
+    driven_end: str | None,
+    damping: float | None,
+    count: int,
+    order: int,
+    plot: Path | None,
+    latex: Path | None,
+    as_json: bool,
+) -> None:
+    """The free frequencies of any rope."""
+    from asymptotics.errors import InputError
+    from asymptotics.problems.free_frequencies import free_frequencies
+    from derivations.reports import free_frequencies as report
+
+    if latex is not None or plot is not None:
+        raise InputError(
+            "--plot and --latex are of the paper's ropes, by --beta and --driven-end; of others "
+            "there are the table and --json"
+        )
+    rope = asked(problem, values, beta, driven_end, damping, None)
+    assert rope is not None
+    at = {name: x for name, x in rope.at.items() if name != "Omega"}
+    found = free_frequencies(rope.rope, at, count)
+    show(report.as_json(rope.rope, found, order), report.as_text(rope.rope, found, order), as_json)
 
 
 def tongue(

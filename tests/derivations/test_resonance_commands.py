@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -126,3 +127,25 @@ def test_bad_input_is_one_clear_error(
     assert message in captured.err
     assert captured.err.count("\n") == 1
     assert captured.out == ""
+
+
+def test_free_frequencies_of_a_rope_by_options_and_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "rope.toml"
+    file.write_text(
+        'equation = "W_tautau = W_xixi - 2 - kappa*W"\n'
+        'driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]\ncontact = ["W", "W_xi"]\n'
+        "[parameters]\nkappa = 1.7\n"
+    )
+    given = ["--problem", str(file), "--set", "kappa=2", "--count", "2"]
+    assert run("resonances", *given, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    place = found["static_contact"]
+    for row in found["linear"]:
+        assert abs(row["omega"] ** 2 - 2 - (row["p"] * math.pi / place) ** 2) < 1e-9
+        assert row["decay"] == 0
+    assert [(row["p"], row["q"]) for row in found["nonlinear"]][0] == (1, 3)
+    assert run("resonances", "--beta", "0.01", "--damping", "0.1") == 0
+    assert "omega_p" in capsys.readouterr().out
+    assert run("resonances", "--damping", "0.1", "--plot", "a.png") == 2
