@@ -22,11 +22,14 @@ from derivations.commands import validate as validate_command
 from derivations.commands.options import (
     LIST,
     EpsilonOption,
+    FrequencyOption,
+    HeightOption,
+    HertzOption,
     JsonOption,
-    OmegaOption,
     OrderOption,
     PlotOption,
     numbers_of,
+    omega_of,
 )
 from derivations.commands.ropes import (
     BendingOption,
@@ -208,8 +211,10 @@ def _derivation(order: int, style: str, cache: bool, quiet: bool) -> tuple[Any, 
 
 @app.command()
 def evaluate(
-    omega: OmegaOption,
     epsilon: EpsilonOption,
+    omega: FrequencyOption = None,
+    hz: HertzOption = None,
+    height: HeightOption = None,
     order: OrderOption = 4,
     s: Annotated[
         str | None,
@@ -234,7 +239,7 @@ def evaluate(
         from derivations.figures.plots import check_plot_path
 
         check_plot_path(plot)
-    point = (omega, epsilon, order)
+    point = (omega_of(omega, hz, height), epsilon, order)
     places = None if s is None else numbers_of("--s", s)
     times = numbers_of("--tau", tau)
     if len(times) * len(places or ()) > MOST_VALUES:

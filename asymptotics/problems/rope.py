@@ -9,7 +9,7 @@ r"""A rope in SI units, and what the dimensionless quantities of the paper are f
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from asymptotics.errors import InputError
 from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.problems.static_shape import contact_point
 
 STANDARD_GRAVITY = 9.80665
+
+# Of the tension that a rope without bending would have: less is a beam that hangs.
+_SLACK = 1e-4
 
 _WHAT = {
     "tension": "the tension T in newtons",
@@ -27,6 +31,9 @@ _WHAT = {
     "height": "the height Z₀ of the driven end in metres",
     "gravity": "the acceleration due to gravity in m/s²",
     "contact_point": "the distance x₀ of the contact point from the driven end in metres",
+    "static_contact": "the distance of the contact point at rest in metres",
+    "stiffness": "the stiffness k of springs per length in N/m²",
+    "drag": "the drag per length and speed in N s/m²",
 }
 
 
@@ -106,6 +113,91 @@ class Rope:
         )
         return cls(density * g * place * place / (2 * z), density, bending_stiffness, z, g)
 
+    @classmethod
+    def from_static_contact(
+        cls,
+        static_contact: float,
+        line_density: float,
+        bending_stiffness: float,
+        height: float,
+        driven_end: str = "pinned",
+        gravity: float = STANDARD_GRAVITY,
+    ) -> Rope:
+        """The rope that is seen to meet the ground at rest at this distance, bending included.
+
+        T with ξ₀(β) x₀ = the distance, x₀ and β depending on T: both sides rise with T.
+
+        Raises
+        ------
+        InputError
+            As for :class:`Rope`; an unknown driven end; a distance that bending alone exceeds.
+
+        Examples
+        --------
+        >>> rope = Rope.from_static_contact(1.5, 0.015, 0.0005, 0.81)
+        >>> round(rope.tension, 6), round(rope.static_contact(), 9)
+        (0.190344, 1.5)
+        """
+        from scipy.optimize import brentq
+
+        place = _quantity("static_contact", static_contact)
+        string = cls.from_contact_point(place, line_density, bending_stiffness, height, gravity)
+        if string.bending_stiffness == 0:
+            return string
+
+        def excess(scale: float) -> float:
+            rope = replace(string, tension=scale * string.tension)
+            return rope.static_contact(driven_end) / place - 1
+
+        if excess(_SLACK) > 0:
+            raise InputError(
+                f"static_contact = {place!r} m: a rope of this bending stiffness reaches farther "
+                "at any tension; check the units: they are SI"
+            )
+        scale = float(brentq(excess, _SLACK, 1.0, xtol=1e-15, rtol=1e-14))
+        return replace(string, tension=scale * string.tension)
+
+    def static_contact(self, driven_end: str = "pinned") -> float:
+        """Where the rope at rest meets the ground, ξ₀(β) x₀ in metres.
+
+        >>> round(Rope(0.196, 0.015, 0.0005, 0.81).static_contact(), 4)
+        1.5206
+        """
+        if self.bending_stiffness == 0:
+            return self.contact_point
+        return float(contact_point(self.beta, driven_end)) * self.contact_point
+
+    def at(self, hertz: float) -> dict[str, float]:
+        """Ω and β as the parameters of :func:`asymptotics.problems.presets.beam`.
+
+        >>> {name: round(x, 5) for name, x in Rope(0.2, 0.015, 5e-4, 0.81).at(1.2).items()}
+        {'Omega': 3.06449, 'beta': 0.00114}
+        """
+        return {"Omega": float(self.omega_from_hertz(hertz)), "beta": self.beta}
+
+    def foundation(self, stiffness: float) -> float:
+        """κ = k x₀²/T of an elastic foundation, or of springs below the rope, of k in N/m²."""
+        size = _quantity("stiffness", stiffness)
+        return size * self.contact_point * self.contact_point / self.tension
+
+    def damping(self, coefficient: float) -> float:
+        """ζ = c_d x₀/(2ρc) of a drag c_d w_t per length, c_d in N s/m²."""
+        size = _quantity("drag", coefficient)
+        return size * self.contact_point / (2 * self.line_density * self.wave_speed)
+
+    def tau_from_seconds(self, seconds: ArrayLike) -> NDArray[np.float64]:
+        """τ = ct/x₀, the shape of ``seconds``."""
+        return _frequencies("seconds", seconds) * (self.wave_speed / self.contact_point)
+
+    def seconds_from_tau(self, tau: ArrayLike) -> NDArray[np.float64]:
+        """t = x₀τ/c.
+
+        >>> rope = Rope(0.2, 0.015, 0.0, 0.81)
+        >>> float(rope.seconds_from_tau(rope.tau_from_seconds(2.5)))
+        2.5
+        """
+        return _frequencies("tau", tau) * (self.contact_point / self.wave_speed)
+
     @property
     def wave_speed(self) -> float:
         """c = √(T/ρ) in m/s."""
@@ -184,7 +276,7 @@ def _quantity(name: str, value: Any) -> float:
         number = float(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r} is not a number; give {_WHAT[name]}") from None
-    zero_allowed = name == "bending_stiffness"
+    zero_allowed = name in ("bending_stiffness", "stiffness", "drag")
     if not math.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
         allowed = "finite and not negative" if zero_allowed else "positive and finite"
         raise InputError(f"{name} = {number!r}; {_WHAT[name]} must be {allowed}")

@@ -68,11 +68,13 @@ class Points:
         self.place, self.first, self.pull = found
 
     def number(self, expression: sympy.Expr) -> Any:
+        """An expression at all points."""
         symbols = sorted(expression.free_symbols, key=str)
         function = sympy.lambdify(symbols, expression, "numpy")
         return function(*(self.at[symbol.name] for symbol in symbols))
 
     def columns(self, expressions: Sequence[sympy.Expr]) -> Array:
+        """Expressions side by side, (points, count)."""
         full = [np.broadcast_to(self.number(e), (self.count,)) for e in expressions]
         return np.stack(full, axis=-1).astype(complex)
 
@@ -91,13 +93,16 @@ class Points:
         return found
 
     def equation(self, j: int) -> Array:
+        """c_0 … c_r at harmonic j, (points, r + 1)."""
         return self.rates(self.rope.equation.terms, j, self.r + 1)
 
     def ends(self, j: int) -> Array:
+        """E at harmonic j, (points, n, r)."""
         rows = [self.rates(c.terms, j, self.r) for c in self.rope.driven_end]
         return np.stack(rows, axis=1)
 
     def amplitudes(self, j: int) -> Array:
+        """What drives harmonic j, (points, n)."""
         return self.columns([c.drive.get(j, sympy.Integer(0)) for c in self.rope.driven_end])
 
 

@@ -36,6 +36,17 @@ EndOption = Annotated[
     Literal["pinned", "clamped"], typer.Option("--driven-end", help="How the shaken end is held.")
 ]
 
+HertzOption = Annotated[
+    float | None, typer.Option("--hz", metavar="F", help="Frequency in hertz, in the place of Ω.")
+]
+HeightOption = Annotated[
+    float | None,
+    typer.Option("--height", metavar="Z₀", help="With --hz: height of the driven end in metres."),
+]
+FrequencyOption = Annotated[
+    float | None, typer.Option("--omega", metavar="Ω", help="Ω = ωx₀/c > 0; or --hz and --height.")
+]
+
 LIST = "X,X,…|START:STOP:STEP"
 """How :func:`numbers_of` wants them."""
 
@@ -44,6 +55,29 @@ MOST_NUMBERS = 100_000
 
 # Of a step: a stop that is missed by no more, as decimals of an irrational number do, is met.
 _MET = Decimal("1e-9")
+
+
+def omega_of(omega: float | None, hertz: float | None, height: float | None) -> float:
+    """Ω, or from a frequency and the height of the driven end: Ω = 2πf √(2Z₀/g).
+
+    >>> round(omega_of(None, 1.2, 0.81), 4)
+    3.0645
+    """
+    from asymptotics.checks import finite_number
+    from asymptotics.errors import InputError
+
+    if omega is not None:
+        if hertz is not None or height is not None:
+            raise InputError("--omega and --hz with --height both say how fast; give one")
+        return omega
+    if hertz is None or height is None:
+        raise InputError("give --omega, or --hz in hertz with --height in metres")
+    from asymptotics.problems.rope import STANDARD_GRAVITY
+
+    f, z = finite_number("--hz", hertz), finite_number("--height", height)
+    if not (f > 0 and z > 0):
+        raise InputError(f"--hz {f!r}, --height {z!r}: both have to be positive")
+    return 2 * math.pi * f * math.sqrt(2 * z / STANDARD_GRAVITY)
 
 
 def numbers_of(option: str, text: str) -> list[float]:

@@ -11,10 +11,14 @@ import typer
 
 from derivations.commands.options import (
     EndOption,
+    FrequencyOption,
+    HeightOption,
+    HertzOption,
     JsonOption,
     PlotOption,
     RopeBetaOption,
     numbers_of,
+    omega_of,
 )
 from derivations.output import note, show, wrote
 
@@ -31,9 +35,9 @@ COEFFICIENTS = "C0,C1,…"
 
 
 def simulate(
-    omega: Annotated[
-        float | None, typer.Option("--omega", metavar="Ω", help="Ω = ωx₀/c > 0.")
-    ] = None,
+    omega: FrequencyOption = None,
+    hz: HertzOption = None,
+    height: HeightOption = None,
     epsilon: Annotated[
         float | None, typer.Option("--epsilon", metavar="ε", help="Forcing amplitude, units of Z₀.")
     ] = None,
@@ -118,6 +122,8 @@ def simulate(
     varying = _varying(
         foundation=foundation, tension=tension, mass=mass, weight=weight, ground=ground
     )
+    if hz is not None or height is not None:
+        omega = omega_of(omega, hz, height)
     if samples is None:
         omega, epsilon = _both(omega, epsilon, until)
         drive = drive_of(omega, epsilon, ramp)
@@ -169,7 +175,10 @@ def _both(omega: float | None, epsilon: float | None, until: float | None) -> tu
     from asymptotics.errors import InputError
 
     if omega is None or epsilon is None:
-        raise InputError("give --omega and --epsilon, or --samples FILE.csv with lines tau,Z")
+        raise InputError(
+            "give --omega (or --hz and --height) and --epsilon, or --samples FILE.csv with lines "
+            "tau,Z"
+        )
     if until is not None:
         raise InputError("--until belongs to --samples; a periodic drive is followed for --periods")
     return omega, epsilon

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from derivations.commands.options import JsonOption, OmegaOption, RopeBetaOption
+from derivations.commands.options import (
+    FrequencyOption,
+    HeightOption,
+    HertzOption,
+    JsonOption,
+    RopeBetaOption,
+    omega_of,
+)
 from derivations.commands.simulation import need
 from derivations.output import finite, show
 
@@ -20,7 +27,9 @@ RUNS = 10
 
 
 def threshold(
-    omega: OmegaOption,
+    omega: FrequencyOption = None,
+    hz: HertzOption = None,
+    height: HeightOption = None,
     beta: RopeBetaOption = 0.01,
     dx: Annotated[
         float | None,
@@ -41,6 +50,7 @@ def threshold(
     from numerics.thresholds.threshold import threshold as compute
     from numerics.thresholds.threshold import variations
 
+    omega = omega_of(omega, hz, height)
     base = base_settings(beta, dx)
     if beta == 0 and dx is not None:
         raise InputError(

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from derivations.commands.options import (
+    FrequencyOption,
+    HeightOption,
+    HertzOption,
     JsonOption,
-    OmegaOption,
     OrderOption,
     PlotOption,
     RopeBetaOption,
+    omega_of,
 )
 from derivations.commands.ropes import (
     DampingOption,
@@ -31,7 +34,9 @@ if TYPE_CHECKING:
 
 
 def validate(
-    omega: OmegaOption,
+    omega: FrequencyOption = None,
+    hz: HertzOption = None,
+    height: HeightOption = None,
     beta: RopeBetaOption = 0.0,
     order: OrderOption = 3,
     form: Annotated[
@@ -62,6 +67,7 @@ def validate(
     from derivations.figures.plots import check_plot_path, save_figure
     from derivations.progress import announce_compiling, progress
 
+    omega = omega_of(omega, hz, height)
     if plot is not None:
         check_plot_path(plot)
     own = None if form is None else read_form(form)

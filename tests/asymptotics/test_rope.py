@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from asymptotics.errors import InputError
+from asymptotics.problems.free_frequencies import free_frequencies
+from asymptotics.problems.presets import string
 from asymptotics.problems.rope import Rope
 
 UNIT = 2.0**-52
@@ -126,3 +129,48 @@ def test_arrays_keep_their_shape() -> None:
     rope = Rope(**GOOD)
     assert rope.omega_from_hertz(np.ones((2, 3))).shape == (2, 3)
     assert rope.hertz_from_omega(2.2).shape == ()
+
+
+@pytest.mark.parametrize("end", ["pinned", "clamped"])
+@pytest.mark.parametrize("stiffness", [0.0, 1e-4, 5e-3])
+def test_tension_from_the_contact_point_that_is_seen(stiffness: float, end: str) -> None:
+    """There and back, bending included; the string's relation overestimates T."""
+    rope = Rope(0.2, 0.015, stiffness, 0.81)
+    seen = rope.static_contact(end)
+    again = Rope.from_static_contact(seen, 0.015, stiffness, 0.81, end)
+    assert again.tension == pytest.approx(0.2, rel=1e-12)
+    without = Rope.from_contact_point(seen, 0.015, stiffness, 0.81)
+    assert (without.tension > again.tension) == (stiffness > 0)
+
+
+def test_a_problem_from_physical_quantities() -> None:
+    """Drag and springs per length: the same decay and the same length in SI and without units."""
+    rope = Rope(0.2, 0.015, 0.0, 0.81)
+    drag, springs = 0.01, 0.05
+    found = free_frequencies(
+        string(damping=rope.damping(drag), foundation=rope.foundation(springs)), {}, 1
+    )
+    # ρ w_tt + c w_t = T w_xx − k w between ends L apart.
+    length = found.static_contact * rope.contact_point
+    square = (rope.tension * (np.pi / length) ** 2 + springs) / rope.line_density
+    decay = drag / (2 * rope.line_density)
+    per_second = rope.wave_speed / rope.contact_point
+    assert found.values[0].imag * per_second == pytest.approx(decay, rel=1e-9)
+    assert abs(found.values[0]) ** 2 * per_second**2 == pytest.approx(square, rel=1e-9)
+    seconds = rope.seconds_from_tau(2 * np.pi / rope.at(1.3)["Omega"])
+    assert float(seconds) == pytest.approx(1 / 1.3, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Rope.from_static_contact(-1, 0.015, 0.0, 0.81),
+        lambda: Rope.from_static_contact(1e-3, 0.015, 5.0, 0.81),
+        lambda: Rope.from_static_contact(1.5, 0.015, 1e-4, 0.81, "guided"),
+        lambda: Rope(0.2, 0.015, 0.0, 0.81).damping(-1),
+        lambda: Rope(0.2, 0.015, 0.0, 0.81).foundation(float("nan")),
+    ],
+)
+def test_bad_physical_quantities(make: Callable[[], object]) -> None:
+    with pytest.raises(InputError):
+        make()

@@ -361,3 +361,23 @@ def test_evaluate_answers_the_slowest_drive(capsys: pytest.CaptureFixture[str]) 
     assert result["contact"] == [pytest.approx(1 + 0.05 - 0.00125 + 0.0000625 - 0.1**4 * 5 / 128)]
     assert result["s"] == [-1.0, -0.75, -0.5, -0.25, 0.0]
     assert result["profile"][0] == pytest.approx([1.0, 0.5625, 0.25, 0.0625, 0.0])
+
+
+@pytest.mark.parametrize("command", ["evaluate", "simulate", "validate", "threshold"])
+def test_frequency_and_height_in_the_place_of_omega(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    amplitude = ["--epsilon", "0.01"] if command in ("evaluate", "simulate") else []
+    for given, says in (
+        ([], "--hz"),
+        (["--hz", "1"], "--height"),
+        (["--omega", "2", "--hz", "1", "--height", "1"], "give one"),
+        (["--hz", "-1", "--height", "1"], "positive"),
+        (["--hz", "nan", "--height", "1"], "--hz"),
+    ):
+        assert run(command, *amplitude, *given) == 2
+        assert says in capsys.readouterr().err
+    if command == "evaluate":
+        assert run(command, *amplitude, "--hz", "0.8", "--height", "0.81", "--json") == 0
+        omega = json.loads(capsys.readouterr().out)["omega"]
+        assert abs(omega - 2 * math.pi * 0.8 * math.sqrt(2 * 0.81 / 9.80665)) < 1e-14

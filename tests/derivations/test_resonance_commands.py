@@ -145,7 +145,8 @@ def test_free_frequencies_of_a_rope_by_options_and_file(
     for row in found["linear"]:
         assert abs(row["omega"] ** 2 - 2 - (row["p"] * math.pi / place) ** 2) < 1e-9
         assert row["decay"] == 0
-    assert [(row["p"], row["q"]) for row in found["nonlinear"]][0] == (1, 3)
+    first = found["nonlinear"][0]
+    assert (first["p"], first["q"]) == (1, 3)
     assert run("resonances", "--beta", "0.01", "--damping", "0.1") == 0
     assert "omega_p" in capsys.readouterr().out
     assert run("resonances", "--damping", "0.1", "--plot", "a.png") == 2
