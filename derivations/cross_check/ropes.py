@@ -1,8 +1,8 @@
-"""A reader's own rope on trial: its expansion beside the periodic state found by collocation.
+"""A reader's own rope on trial: its expansion beside periodic states that are not expanded.
 
-The state (:mod:`numerics.periodic.collocation`) knows of the equation, the conditions and of ξ₀,
-where it starts, and of nothing else. Its floor is its distance from the one on fewer points and
-times.
+The state (:mod:`numerics.periodic.modes`, or :mod:`numerics.periodic.collocation` where
+coefficients vary along the rope) knows of the equation, the conditions and of ξ₀, where it starts,
+and of nothing else. Its floor is its distance from the one on fewer times and points.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from asymptotics.expansion.order_loop import Expansion, expand
 from asymptotics.problems.moving_contact import MovingContact
 from derivations.cross_check.data import Comparison, Errors
 from derivations.cross_check.forms import Array, largest_amplitudes, rms
+from numerics.periodic import modes
 from numerics.periodic.collocation import LinearRope, NoPeriodicStateError, periodic_contact
 
 KEEP = 3.0
@@ -28,13 +29,7 @@ _POINTS = {True: (14, 18), False: (18, 22)}
 
 
 def in_numbers(rope: MovingContact, values: Mapping[str, Fraction], rest: float) -> LinearRope:
-    """The same rope for the numerics, W itself and not W − g.
-
-    Raises
-    ------
-    InputError
-        A load that varies along the rope.
-    """
+    """The same rope for the numerics, W itself and not W − g."""
     import sympy
 
     exact = {name: sympy.Rational(x.numerator, x.denominator) for name, x in values.items()}
@@ -53,9 +48,14 @@ def in_numbers(rope: MovingContact, values: Mapping[str, Fraction], rest: float)
             *(number(c) * ground.diff(known.xi, k) for (k, t), c in terms.items() if not t)
         )
 
-    load = sympy.expand(number(rope.equation.right) + applied(rope.equation.terms))
-    if load.has(known.xi):
-        raise InputError(f"the load {load} varies along the rope; this judge takes constant ones")
+    def coefficient(expression: Any) -> Any:
+        """A number, or the coefficients of a polynomial in ξ."""
+        value = sympy.expand(number(expression))
+        if not value.has(known.xi):
+            return float(value)
+        return [float(c) for c in sympy.Poly(value, known.xi).all_coeffs()]
+
+    load = number(rope.equation.right) + applied(rope.equation.terms)
     ends = []
     for condition in rope.driven_end:
         constant = number(condition.constant) + applied(condition.terms).subs(known.xi, 0)
@@ -63,13 +63,14 @@ def in_numbers(rope: MovingContact, values: Mapping[str, Fraction], rest: float)
         terms = {key: float(number(c)) for key, c in condition.terms.items()}
         ends.append((terms, float(constant), _drive(waves, float(values["Omega"]))))
     return LinearRope(
-        {key: float(number(c)) for key, c in rope.equation.terms.items()},
-        float(load),
+        {key: coefficient(c) for key, c in rope.equation.terms.items()},
+        coefficient(load),
         ends,
         rope.contact_order,
         float(values["Omega"]),
         rest,
         [float(c) for c in sympy.Poly(ground, known.xi).all_coeffs()],
+        float(number(rope.springs)),
     )
 
 
@@ -83,7 +84,12 @@ def _drive(waves: Mapping[int, complex], omega: float) -> Callable[[Array], Arra
     return drive
 
 
-def against_collocation(
+def judge_of(rope: MovingContact) -> str:
+    """Which numerics a rope is judged by, in words."""
+    return f"the periodic state, by {'collocation' if rope.varying else 'modes'}"
+
+
+def against_states(
     rope: MovingContact,
     at: Mapping[Any, Any],
     order: int,
@@ -111,6 +117,7 @@ def against_collocation(
     highest = max(j for n in range(1, order + 2) for j in series.contact(n))
     times = 2 * highest + 9  # the state has harmonics that no order judged has
     few, many = _POINTS[quick]
+    state = periodic_contact if rope.varying else _by_modes
     # From the largest amplitude at which an order is judged to a quarter of the smallest.
     rungs, top = 6 if quick else 12, largest_amplitudes(sizes, order)
     ladder = np.geomspace(top.max(), top.min() / 4, rungs)
@@ -118,8 +125,8 @@ def against_collocation(
     kept, errors, floors = [], [], []
     for done, epsilon in enumerate(ladder.tolist(), start=1):
         try:
-            coarse = periodic_contact(stated, epsilon, times, few)
-            fine = periodic_contact(stated, epsilon, times + 4, many)
+            coarse = state(stated, epsilon, times, few)
+            fine = state(stated, epsilon, times + 4, many)
         except NoPeriodicStateError:
             continue  # the ladder begins where the series still falls off, which is no promise
         finally:
@@ -148,6 +155,11 @@ def against_collocation(
         Errors(np.array(errors).T, np.array(floors)),
         None,
     )
+
+
+def _by_modes(rope: LinearRope, epsilon: float, times: int, points: int) -> Array:
+    """Modes need no points."""
+    return modes.periodic_contact(rope, epsilon, times)
 
 
 def _size(series: Expansion[Any], n: int) -> float:

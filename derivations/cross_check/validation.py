@@ -33,7 +33,7 @@ from derivations.cross_check.forms import (
     largest_amplitudes,
     term_sizes,
 )
-from derivations.cross_check.ropes import against_collocation
+from derivations.cross_check.ropes import against_states, judge_of
 from derivations.cross_check.runs import against_simulator
 from numerics.simulation.contact import Scheme
 
@@ -168,7 +168,7 @@ def validate_rope(
     form: Callable[..., Any] | None = None,
     progress: Progress | None = None,
 ) -> Validation:
-    """The same for a reader's own rope, against its periodic states by collocation.
+    """The same for a reader's own rope, against its periodic states.
 
     Parameters
     ----------
@@ -184,8 +184,8 @@ def validate_rope(
     """
     omega = float(rope.values(at)["Omega"])
     own = None if form is None else _called(form, omega)
-    found = against_collocation(rope, at, order, quick, own, progress)
-    return _judged(found, "the periodic state, by collocation")
+    found = against_states(rope, at, order, quick, own, progress)
+    return _judged(found, judge_of(rope))
 
 
 def _judged(comparison: Comparison, judge: str) -> Validation:

@@ -5,9 +5,9 @@ number of equal times in a period; there
 
 .. math:: ∂_ξ = ξ_c^{−1} ∂_y, \qquad ∂_τ = ∂_t − y \frac{ξ_c'}{ξ_c} ∂_y
 
-are matrices, and so is the equation Σ c_{kt} ∂_ξ^k ∂_τ^t W = ℓ. For given ξ_c(τ) it is solved with
-all conditions but the last one at the contact point, which Newton's iteration then meets by moving
-ξ_c. Nothing here is expanded in ε.
+are matrices, and so is the equation Σ c_{kt}(ξ) ∂_ξ^k ∂_τ^t W = ℓ(ξ). For given ξ_c(τ) it is
+solved with all conditions but the last one at the contact point, which Newton's iteration then
+meets by moving ξ_c. Nothing here is expanded in ε.
 
 Dense matrices: some hundred unknowns are well under a second. Rounding costs what r derivatives on
 n points cost, about n^{2r} ulp.
@@ -25,7 +25,9 @@ from numpy.typing import NDArray
 from numerics.errors import InputError, NumericsError
 
 Array = NDArray[np.float64]
-Terms = Mapping[tuple[int, int], float]
+Coefficient = float | Sequence[float]
+"""A number, or a polynomial in ξ: its coefficients, the highest power first."""
+Terms = Mapping[tuple[int, int], Coefficient]
 """(k, t) ↦ the coefficient of ∂_ξ^k ∂_τ^t W."""
 
 SETTLED = 1e-6
@@ -55,15 +57,18 @@ class LinearRope:
         Ω, and ξ₀ to start from.
     ground
         g's coefficients, the highest power of ξ first.
+    springs
+        κ of a ground that gives way, see :mod:`numerics.periodic.modes`; then m = 1.
     """
 
     terms: Terms
-    load: float
+    load: Coefficient
     ends: Sequence[tuple[Terms, float, Callable[[Array], Array]]]
     contacts: int
     omega: float
     rest: float
     ground: Sequence[float] = (0.0,)
+    springs: float = 0.0
 
     @property
     def order(self) -> int:
@@ -100,6 +105,8 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int, points: int) 
     >>> round(float(moved[0] - 1) / 1e-3, 2), round(1.1 / np.sin(2.2), 2)
     (1.36, np.float64(1.36))
     """
+    if rope.springs:
+        raise InputError("springs: collocation is of a ground that does not give way; use modes")
     if len(rope.ends) != rope.order - rope.contacts + 1:
         raise InputError(
             f"{len(rope.ends)} conditions at the driven end; an equation of order {rope.order} "
@@ -111,25 +118,36 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int, points: int) 
             f"{rope.order + 2} points"
         )
     grid = _Strip(rope, epsilon, times, points)
-    contact = np.full(times, float(rope.rest))
+    found = settled(grid.left, float(rope.rest), times)
+    if found is None:
+        raise NoPeriodicStateError(
+            f"no periodic state found at epsilon = {epsilon!r} on {times} times and {points} "
+            "points; give a smaller epsilon, or more points"
+        )
+    return found
+
+
+def settled(left: Callable[[Array], Array], rest: float, times: int) -> Array | None:
+    """The contact point at equal times at which nothing is left, by Newton's iteration from rest.
+
+    None where it does not settle.
+    """
+    contact = np.full(times, rest)
     with np.errstate(all="ignore"):
-        inverse, before = _inverse_slopes(grid.left, contact), np.inf
+        inverse, before = _inverse_slopes(left, contact), np.inf
         for _ in range(_MOST_STEPS):
-            change = -inverse @ grid.left(contact)
+            change = -inverse @ left(contact)
             contact = contact + change
             size = float(np.abs(change).max())
-            if not size < rope.rest:
+            if not size < rest:
                 break
             # It has settled when what is left is rounding, which no further step makes smaller.
-            if size < 1e-9 * rope.rest or (size >= before and size < SETTLED * rope.rest):
+            if size < 1e-9 * rest or (size >= before and size < SETTLED * rest):
                 return contact
-            if size > 0.02 * before and size > SETTLED * rope.rest:
-                inverse = _inverse_slopes(grid.left, contact)
+            if size > 0.02 * before and size > SETTLED * rest:
+                inverse = _inverse_slopes(left, contact)
             before = size
-    raise NoPeriodicStateError(
-        f"no periodic state found at epsilon = {epsilon!r} on {times} times and {points} points; "
-        "give a smaller epsilon, or more points"
-    )
+    return None
 
 
 def _inverse_slopes(function: Callable[[Array], Array], place: Array) -> Array:
@@ -182,8 +200,12 @@ class _Strip:
             scaled = contact[:, None, None] ** -k * self.powers[k][None, rows]
             return np.einsum("ipr,irjq->ipjq", scaled, in_time[t], optimize=True)
 
-        matrix = sum(c * operator(k, t) for (k, t), c in rope.terms.items())
-        right = np.full((times, points), float(rope.load))
+        place = contact[:, None] * self.y
+        matrix = sum(
+            np.polyval(np.atleast_1d(c), place)[..., None, None] * operator(k, t)
+            for (k, t), c in rope.terms.items()
+        )
+        right = np.polyval(np.atleast_1d(rope.load), place)
         # Point 0 is the contact point, the last one the driven end; the equation gives way to the
         # conditions on the points next to both.
         near, far = slice(0, 1), slice(points - 1, points)

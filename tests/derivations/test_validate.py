@@ -148,7 +148,32 @@ def test_the_string_s_formula_is_not_the_foundation_s() -> None:
 
 
 @pytest.mark.slow
-def test_a_layer_too_thin_for_the_judge_is_its_floor() -> None:
-    """Fourteen points do not resolve √β = 0.01; that is said, not taken for a difference."""
+def test_thin_layers_are_nothing_to_modes() -> None:
+    """√β = 0.01: they have no grid that would have to resolve it."""
     found = validate_rope(presets.beam(), {"beta": 1e-4, "Omega": 2.2}, 1, quick=True)
-    assert found.orders[0].verdict == "floor reached"
+    assert found.orders[0].verdict == "agrees"
+
+
+@pytest.mark.parametrize(
+    ("text", "judge"),
+    [
+        ('equation = "W_tautau = W_xixi - 2"\nsprings = "50"\ncontact = ["W"]\n', "modes"),
+        pytest.param(
+            'equation = "W_tautau = (1 + xi/4)*W_xixi + W_xi/4 - 2"\ncontact = ["W", "W_xi"]\n',
+            "collocation",
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_ropes_on_springs_and_of_varying_tension_are_judged(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, judge: str
+) -> None:
+    file = tmp_path / "rope.toml"
+    file.write_text(text + 'driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]\n')
+    order = ["--order", "2", "--quick", "--json"]
+    with pytest.raises(SystemExit) as caught:
+        main(["validate", "--problem", str(file), "--omega", "2.2", *order])
+    assert not caught.value.code
+    found = json.loads(capsys.readouterr().out)
+    assert found["verdicts"] == ["agrees", "agrees"]
+    assert judge in found["judge"]
