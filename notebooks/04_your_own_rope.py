@@ -102,10 +102,28 @@ for name, (rope, at) in ropes.items():
     print("   ", rw.prove(series)[3])
 
 # %% [markdown]
+# ## As formulas
+#
+# The contact point of every rope with $m$ contact conditions is the same polynomial in impedances
+# $Y$ and sources $S$; what tells ropes apart are their values. So the rope on a foundation and the
+# travelling one share this line, and both beams the next.
+
+# %%
+rw.derive(2, ropes["foundation"][0])
+
+# %%
+derived = rw.derive(3, ropes["guided end"][0])
+module = {}
+exec(derived.numpy(), module)  # it needs NumPy only, and computes its own impedances
+betas = np.linspace(0.02, 0.2, 5)
+print(np.round(module["contact"](0.0, 2.2, 0.02, beta=betas), 6))
+print(derived.javascript().splitlines()[0])
+
+# %% [markdown]
 # ## Judged
 #
-# The periodic state is found by collocation, on Chebyshev points in space and equal times in a
-# period, with the contact point as an unknown. The error of order $N$ has to fall like
+# The periodic state is a sum of solutions of each harmonic, their weights and the contact point
+# unknown; nothing in it is expanded in $\epsilon$. The error of order $N$ has to fall like
 # $\epsilon^{N+1}$. (Order 1 only with bending, to be quick.)
 
 # %%
@@ -140,4 +158,25 @@ for axes, (name, (rope, at)) in zip(panels, ropes.items(), strict=True):
     axes.set(title=name, xlabel=r"$x/x_0$")
     axes.title.set_fontsize(9)
 panels[0].set_ylabel(r"$w/Z_0$")
+plt.show()
+
+# %% [markdown]
+# ## A ground that gives way
+#
+# On springs $\kappa$ the rope moves beyond the contact point, too: below $\Omega = \sqrt\kappa$ it
+# sinks and rises with it, above waves run away, and the contact point lags behind the drive.
+
+# %%
+figure, axes = plt.subplots(figsize=(5, 2.8), layout="constrained")
+kappas = np.geomspace(1, 1e4, 60)
+responses = []
+for value in kappas:
+    series = rw.expand(rw.string(springs=sp.Symbol("kappa")), 1, at={"kappa": value, "Omega": 2.2})
+    responses.append(2 * complex(series.contact(1)[1]))
+axes.semilogx(kappas, np.abs(responses), color="black", label=r"$|\xi_1|$")
+axes.semilogx(kappas, -np.angle(responses), color="C0", label="lag (rad)")
+axes.axhline(1.1 / np.sin(2.2), color="0.6", lw=0.8, label="rigid ground")
+axes.axvline(2.2**2, color="0.8", lw=0.8)
+axes.set(xlabel=r"$\kappa$", ylabel=r"response at $\Omega=2.2$")
+axes.legend(fontsize=8)
 plt.show()

@@ -55,9 +55,12 @@ ROPE = {
     "--drive": ("1: 1", "1: 1, 3: 0.2@0.5", "0: 0.1, 2: 1", "1", "1: 1e400", "1:1,1:1", "9999: 1"),
     "--problem": ("none.toml", "/dev/zero", "."), "--set": ("kappa=2", "kappa"),
 }  # fmt: skip
+UNITS = {"--hz": ("1.2", "0", "1e300"), "--height": ("0.81", "-1", "1e-300")}
+ALONG = {name: ("1", "1,0.1", "0,0.02", "1,-1", "0", "1,,2", "0,1e308")
+         for name in ("--foundation", "--tension", "--mass", "--weight", "--ground")}  # fmt: skip
 EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
     "derive": {
-        "--order": ORDER, "--format": ("text", "latex", "numpy", "json", "pdf"),
+        "--order": ORDER, "--format": ("text", "latex", "numpy", "javascript", "json", "pdf"),
         "--out": ("out", "/dev/full", ""), "--style": ("cotangent", "circular"),
         "--column": ("one", "two"), "--omega": OMEGA, "--epsilon": EPSILON, "--no-cache": FLAG,
         **COMMON, **ROPE,
@@ -65,7 +68,7 @@ EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
     "evaluate": {
         "--omega": OMEGA, "--epsilon": EPSILON, "--order": ORDER,
         "--s": ("-1,0", "-2:0:0.1", "1", "-1e308", "-1:0:1e-4"),
-        "--tau": ("0", "0:6:0.1", "1e308", "1e16", "0:1:1e-4"), **COMMON, **ROPE,
+        "--tau": ("0", "0:6:0.1", "1e308", "1e16", "0:1:1e-4"), **UNITS, **COMMON, **ROPE,
     },
     "validate": {
         "--omega": OMEGA, "--beta": BETA, "--order": ORDER, "--quick": FLAG,
@@ -74,6 +77,7 @@ EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
     "resonances": {
         "--beta": BETA, "--driven-end": END, "--count": ("1", "5", "100", "1000"),
         "--order": ("1", "3", "10", "100"), "--latex": _files("tex"), **COMMON,
+        "--damping": ROPE["--damping"], "--problem": ROPE["--problem"], "--set": ROPE["--set"],
     },
     "tongue": {"": RATIO, "--order": ORDER, "--latex": _files("tex"), **COMMON},
     "fold": {
@@ -85,6 +89,7 @@ EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
         "--dt": ("0.01", "1e-5"), "--length": ("8", "5", "3"), "--sponge": ("3", "0"),
         "--scheme": ("trapezoidal", "verlet", "euler"), "--driven-end": END,
         "--damping": ("0", "0.1", "1e3"), "--restitution": ("0", "0.5", "1"),
+        "--samples": ("none.csv", "/dev/zero", "."), "--until": ("3", "-1", "1e9"), **ALONG, **UNITS,
         "--out": _files("nc"), "--animate": _files("gif"), "--checkpoint": _files("npz"), **COMMON,
     },
     "threshold": {

@@ -135,7 +135,15 @@ def solve(rows: Sequence[Row], right: Sequence[acb], what: str) -> list[acb]:
 
 
 def magnitude(ball: arb) -> tuple[int, float]:
-    """Comparable also beyond the doubles: the binary exponent first."""
+    """Comparable also beyond the doubles: the binary exponent first.
+
+    Raises
+    ------
+    PrecisionError
+        A ball that holds everything.
+    """
+    if not ball.is_finite():
+        raise PrecisionError("a solution beyond any bound", ball)
     if ball == 0:
         return (-(10**9), 0.0)
     mantissa, exponent = ball.mid().man_exp()
