@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from asymptotics.expansion.order_loop import Expansion, expand
     from asymptotics.expansion.proof import prove
     from asymptotics.formulas.closed_form import ClosedForm, ClosedForms
-    from asymptotics.problems.problem import exact_string, float_string, string
+    from asymptotics.problems.problem import exact_string, float_string, string_problem
 
 DISTRIBUTION = "ropewave"
 """Tells this package from another distribution's package of the same name."""
@@ -45,7 +45,7 @@ __all__ = [
     "float_string",
     "moving_frame",
     "prove",
-    "string",
+    "string_problem",
 ]
 
 _HOMES = {
@@ -58,7 +58,7 @@ _HOMES = {
     "float_string": "problems.problem",
     "moving_frame": "expansion.moving_frame",
     "prove": "expansion.proof",
-    "string": "problems.problem",
+    "string_problem": "problems.problem",
 }
 
 

@@ -56,8 +56,8 @@ ROPE = {
     "--problem": ("none.toml", "/dev/zero", "."), "--set": ("kappa=2", "kappa"),
 }  # fmt: skip
 UNITS = {"--hz": ("1.2", "0", "1e300"), "--height": ("0.81", "-1", "1e-300")}
-ALONG = {name: ("1", "1,0.1", "0,0.02", "1,-1", "0", "1,,2", "0,1e308")
-         for name in ("--foundation", "--tension", "--mass", "--weight", "--ground")}  # fmt: skip
+POLYNOMIALS = ("1", "1,0.1", "0,0.02", "1,-1", "0", "1,,2", "0,1e308")
+ALONG = dict.fromkeys(("--foundation", "--tension", "--mass", "--weight", "--ground"), POLYNOMIALS)
 EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
     "derive": {
         "--order": ORDER, "--format": ("text", "latex", "numpy", "javascript", "json", "pdf"),
@@ -89,7 +89,8 @@ EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
         "--dt": ("0.01", "1e-5"), "--length": ("8", "5", "3"), "--sponge": ("3", "0"),
         "--scheme": ("trapezoidal", "verlet", "euler"), "--driven-end": END,
         "--damping": ("0", "0.1", "1e3"), "--restitution": ("0", "0.5", "1"),
-        "--samples": ("none.csv", "/dev/zero", "."), "--until": ("3", "-1", "1e9"), **ALONG, **UNITS,
+        "--samples": ("none.csv", "/dev/zero", "."), "--until": ("3", "-1", "1e9"),
+        **ALONG, **UNITS,
         "--out": _files("nc"), "--animate": _files("gif"), "--checkpoint": _files("npz"), **COMMON,
     },
     "threshold": {

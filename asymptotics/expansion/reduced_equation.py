@@ -35,7 +35,7 @@ from flint import arb, arb_poly, arb_series, fmpq
 
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Expansion, expand
-from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam import beam_problem, static_beam
 from asymptotics.problems.beam_spectrum import linear_frequencies
 from asymptotics.problems.beam_waves import StaticBeam, Waves, waves
 from asymptotics.problems.problem import Mode, Problem
@@ -127,7 +127,7 @@ def enclosed_frequency(shape: StaticBeam, start: float) -> arb:
 def _reduced_problem(shape: StaticBeam, omega: arb, q: int) -> Problem[Any]:
     """The beam over polynomials in b, harmonic q with w″ = b given and w left free."""
     numbers, ring = balls(), PolynomialRing()
-    base = beam(shape.beta, omega, shape.driven_end, numbers, shape)
+    base = beam_problem(shape.beta, omega, shape.driven_end, numbers, shape)
     b, half = arb_poly([0, 1]), ring.rational(1, 2)
 
     def lift(values: Iterable[Any]) -> tuple[Any, ...]:

@@ -111,8 +111,8 @@ def swept_expansions(
     --------
     >>> import numpy as np
     >>> from asymptotics import expand
-    >>> from asymptotics.problems.beam import beam
-    >>> solution = expand(beam(np.array([1e-2, 1e-8]), 2.2), 4)
+    >>> from asymptotics.problems.beam import beam_problem
+    >>> solution = expand(beam_problem(np.array([1e-2, 1e-8]), 2.2), 4)
     >>> sorted(solution.points)                 # the thin layer took balls
     [1]
     >>> (2 * solution.contact(4)[4]).round(6)

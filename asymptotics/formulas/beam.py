@@ -33,7 +33,7 @@ from flint import arb, ctx, fmpq_mpoly
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Expansion, expand
-from asymptotics.problems.beam import beam, enclosed, static_beam, swept
+from asymptotics.problems.beam import beam_problem, enclosed, static_beam, swept
 from asymptotics.problems.beam_waves import StaticBeam
 from asymptotics.problems.problem import RESOLUTION, Mode, Problem, Sweep
 from asymptotics.rings.bounded import lifted
@@ -192,19 +192,19 @@ def impedances(
     numbers: Numbers | None = None,
     static: StaticBeam | None = None,
 ) -> Impedances:
-    """The generators' values, from the same modes as :func:`asymptotics.problems.beam.beam`.
+    """The generators' values, from the modes of :func:`asymptotics.problems.beam.beam_problem`.
 
     Parameters
     ----------
     beta, omega, driven_end, numbers, static
-        As for :func:`asymptotics.problems.beam.beam`.
+        As for :func:`asymptotics.problems.beam.beam_problem`.
     order
         Highest harmonic wanted.
 
     Raises
     ------
     InputError
-        What :func:`asymptotics.problems.beam.beam` raises, or a bad order.
+        What :func:`asymptotics.problems.beam.beam_problem` raises, or a bad order.
 
     Examples
     --------
@@ -225,7 +225,7 @@ def impedances(
         at = cache(lambda bits: enclosed(beta, omega, driven_end, made)())
         return replace(point, balls=lambda: at(ctx.prec))
     shape = static_beam(beta, driven_end, numbers) if static is None else static
-    problem = beam(shape.beta, omega, driven_end, numbers, shape)
+    problem = beam_problem(shape.beta, omega, driven_end, numbers, shape)
     values = {
         "sigma": -2 / (shape.beta * shape.a3),
         "b": 1 / shape.beta,

@@ -41,7 +41,7 @@ _XI, _TAU = (symbols()[name] for name in ("xi", "tau"))
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PaperCheck:
     """A printed formula against the derived one; ``equal`` is a proof either way."""
 
     name: str
@@ -60,7 +60,7 @@ class Comparison:
 
 def compare(
     forms: ClosedForms, formulas: Iterable[PaperFormula] | None = None
-) -> tuple[Comparison, ...]:
+) -> tuple[PaperCheck, ...]:
     """Prove each printed formula equal to the derived one, or different, by the exact zero test.
 
     Parameters
@@ -107,7 +107,7 @@ def compare(
                 results.append(_compare_profile(forms, formula))
             continue
         equal, variables = _CHECKS[formula.name](forms, formula.expression)
-        results.append(Comparison(formula.name, formula.label, equal, variables))
+        results.append(PaperCheck(formula.name, formula.label, equal, variables))
     return tuple(results)
 
 
@@ -119,13 +119,13 @@ _PHYSICAL = {Omega: omega * x_0 / c, _TAU: c * t / x_0}
 _PROFILES = {"F_0": 0, "F_1": 1, "F_2": 2, "F_3": 3}
 
 
-def _compare_profile(forms: ClosedForms, formula: PaperFormula) -> Comparison:
+def _compare_profile(forms: ClosedForms, formula: PaperFormula) -> PaperCheck:
     j = _PROFILES[formula.name]
     # ε → −ε is a shift of time by half a period: F_j is even in ε, and known one power further
     # when N − j is even.
     available = (forms.order - j) // 2 * 2 + 1
     through = min(formula.order, available)
-    return Comparison(
+    return PaperCheck(
         formula.name,
         formula.label,
         are_equal_through(formula.expression, forms.profile(j).expression, epsilon, through),

@@ -1,9 +1,9 @@
 r"""Closed forms as trees of LaTeX: prefactors, brackets, and the summands inside them.
 
 A formula is a sum of amplitudes from the exact ring times functions of the coordinates. Each
-amplitude becomes a :class:`Coefficient`, read from its normal form in either style; the sum becomes
-a tree of :class:`asymptotics.printing.widths.Term`, which that module cuts into lines. Common
-rational factors and powers of Ω are pulled out of every bracket, so that all numbers inside are
+amplitude becomes a :class:`LatexCoefficient`, read from its normal form in either style; the sum
+becomes a tree of :class:`asymptotics.printing.widths.Term`, which that module cuts into lines.
+Common rational factors and powers of Ω are pulled out of every bracket, so that all numbers inside are
 coprime integers, except where that would make them large.
 
 =======================  ==================================================  ==================
@@ -42,7 +42,7 @@ Row = tuple[int, tuple[tuple[int, str], ...]]
 
 
 @dataclass(frozen=True)
-class Coefficient:
+class LatexCoefficient:
     """content · Ω^omega · Σ rows / below, the integers in ``rows`` coprime, the first positive.
 
     ``below`` are the factors of the denominator, each spelled out and as the symbol T_q, which
@@ -59,21 +59,22 @@ class Coefficient:
 class Product:
     """coefficient · before[…]after: one summand of a formula."""
 
-    coefficient: Coefficient
+    coefficient: LatexCoefficient
     before: str = ""
     after: str = ""
 
 
-def coefficient(element: CotangentElement, style: Style) -> Coefficient:
+def coefficient(element: CotangentElement, style: Style) -> LatexCoefficient:
     """An element of the exact ring, other than 0, in the given style.
 
     >>> ring = CotangentRing()
-    >>> coefficient(ring.rational(-2, 3) * ring.omega * ring.cot(2), "cotangent")
-    Coefficient(content=Fraction(-2, 3), omega=1, rows=((0, ((1, '\\\\kappa_{2}'),)),), below=())
+    >>> found = coefficient(ring.rational(-2, 3) * ring.omega * ring.cot(2), "cotangent")
+    >>> found.content, found.omega, found.rows
+    (Fraction(-2, 3), 1, ((0, ((1, '\\\\kappa_{2}'),)),))
     """
     if style == "cotangent":
         form = cotangent_form(element)
-        return Coefficient(
+        return LatexCoefficient(
             form.content,
             form.lowest,
             tuple(
@@ -84,7 +85,7 @@ def coefficient(element: CotangentElement, style: Style) -> Coefficient:
     return _circular_coefficient(circular_form(element))
 
 
-def _circular_coefficient(form: CircularForm) -> Coefficient:
+def _circular_coefficient(form: CircularForm) -> LatexCoefficient:
     rows: dict[int, list[tuple[int, str]]] = {}
     for a in sorted({*form.cosines, *form.sines}):
         row = rows.setdefault(a, [])
@@ -113,7 +114,7 @@ def _circular_coefficient(form: CircularForm) -> Coefficient:
     scaled = tuple(
         (a - lowest, tuple((v // content, tex) for v, tex in row)) for a, row in rows.items()
     )
-    return Coefficient(form.content * 2**paired * content, lowest, scaled, tuple(below))
+    return LatexCoefficient(form.content * 2**paired * content, lowest, scaled, tuple(below))
 
 
 def _power(m: int) -> str:

@@ -129,7 +129,7 @@ def _clamped_height(y: Any, target: Any, numbers: Numbers) -> tuple[Any, Any]:
 
 
 @remembering
-def beam(
+def beam_problem(
     beta: Any,
     omega: Any,
     driven_end: str = "pinned",
@@ -162,15 +162,15 @@ def beam(
     Examples
     --------
     >>> from asymptotics import expand
-    >>> solution = expand(beam(0.01, 2.2), order=3)
+    >>> solution = expand(beam_problem(0.01, 2.2), order=3)
     >>> {j: round(float(2 * c), 8) for j, c in solution.contact(3).items()}
     {3: -6.0428291, 1: -1.41119959}
     """
     if numbers is None:
-        problem = beam(beta, omega, driven_end, doubles(), static)
+        problem = beam_problem(beta, omega, driven_end, doubles(), static)
         if np.ndim(beta) == np.ndim(omega) == 0:
-            return replace(problem, balls=enclosed(beta, omega, driven_end, beam))
-        return replace(problem, sweep=swept(beta, omega, driven_end, beam))
+            return replace(problem, balls=enclosed(beta, omega, driven_end, beam_problem))
+        return replace(problem, sweep=swept(beta, omega, driven_end, beam_problem))
     shape = static_beam(beta, driven_end, numbers) if static is None else static
     omega, beta, ring = numbers.convert(omega), shape.beta, numbers.ring
 
@@ -209,7 +209,7 @@ def beam(
 
 
 def enclosed(beta: Any, omega: Any, driven_end: str, made: Callable[..., Any]) -> Callable[[], Any]:
-    """What ``made``, called like :func:`beam`, gives over balls of the doubles as they stand.
+    """What ``made``, called like :func:`beam_problem`, gives over balls of the doubles given.
 
     Ω may be complex: then the balls are, but for the static shape.
     """
@@ -301,7 +301,7 @@ def float_beam(beta: float, omega: float, order: int, driven_end: str = "pinned"
             p,
             q,
         )
-    return beam(beta, value, driven_end, static=shape)
+    return beam_problem(beta, value, driven_end, static=shape)
 
 
 def _from_resonance(wave: Waves, rate: float) -> float:

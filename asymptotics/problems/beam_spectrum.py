@@ -38,7 +38,7 @@ from asymptotics.problems.static_shape import (
     check_driven_end,
     check_stiffness,
     contact_point,
-    positions,
+    lifted_positions,
     single_stiffness,
 )
 
@@ -234,7 +234,7 @@ class Spectrum:
         check_derivative(d)
         if not 1 <= check_count(n) <= len(self.omega):
             raise InputError(f"n = {n}; this spectrum holds n = 1 ... {len(self.omega)}")
-        x, k = positions(xi, self.contact_point), self.wavenumber[n - 1]
+        x, k = lifted_positions(xi, self.contact_point), self.wavenumber[n - 1]
         if self.beta == 0:
             return k**d * np.sin(k * x + d * np.pi / 2)
         pinned = self.driven_end == "pinned"

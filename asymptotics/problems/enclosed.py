@@ -8,7 +8,7 @@ from typing import Any
 from flint import acb, arb, fmpq
 
 from asymptotics.errors import InputError
-from asymptotics.problems.problem import Problem, driven_string, string
+from asymptotics.problems.problem import Problem, driven_string, string_problem
 from asymptotics.rings.balls import AcbRing, ArbRing, frequency, rational
 from asymptotics.rings.pickling import remembering
 from asymptotics.rings.ring import Ring
@@ -31,7 +31,9 @@ def ball_string(omega: Any) -> Problem[Any]:
     """
     exact = frequency(omega)
     ball = exact.ball()
-    return string(ArbRing(), ball, lambda j: (j * ball).cot(), name=f"string at {exact} in balls")
+    return string_problem(
+        ArbRing(), ball, lambda j: (j * ball).cot(), name=f"string at {exact} in balls"
+    )
 
 
 @remembering

@@ -40,7 +40,7 @@ Array = npt.NDArray[Any]
 
 
 @dataclass(frozen=True)
-class Drive:
+class FourierDrive:
     """ΔZ(τ) = Σ_n (c_n e^{iθ_n} + c.c.), the mean counted once; made by :func:`fourier_drive`.
 
     Attributes
@@ -102,19 +102,19 @@ class Drive:
             total += (2.0 if n else 1.0) * wave.real
         return total
 
-    def delayed(self, time: float) -> Drive:
+    def delayed(self, time: float) -> FourierDrive:
         """The drive ΔZ(τ − time)."""
         shifted = {
             n: c * cmath.exp(-1j * self.rate(n)[0] * time) for n, c in self.amplitudes.items()
         }
-        return Drive(self.frequencies, shifted)
+        return FourierDrive(self.frequencies, shifted)
 
 
 def fourier_drive(
     frequencies: Sequence[float],
     cosines: Mapping[Index, float],
     sines: Mapping[Index, float] | None = None,
-) -> Drive:
+) -> FourierDrive:
     """ΔZ(τ) = Σ a_n cos θ_n + b_n sin θ_n, in units of Z₀.
 
     Parameters
@@ -154,7 +154,7 @@ def fourier_drive(
     amplitudes = {n: c for n, c in amplitudes.items() if c}
     if not amplitudes:
         raise InputError("the drive is zero: give at least one amplitude that is not")
-    return Drive(omegas, amplitudes)
+    return FourierDrive(omegas, amplitudes)
 
 
 def packed_index(index: Any, count: int) -> int:
@@ -194,7 +194,7 @@ def excited(drive: Sequence[int], order: int) -> list[int]:
 
 
 @remembering
-def forced_string(drive: Drive, order: int) -> Problem[Any]:
+def forced_string(drive: FourierDrive, order: int) -> Problem[Any]:
     """The string under a drive, in double precision; for
     :func:`asymptotics.expansion.order_loop.expand`.
 
@@ -224,7 +224,7 @@ def forced_string(drive: Drive, order: int) -> Problem[Any]:
 
 
 @remembering
-def ball_forced_string(drive: Drive) -> Problem[Any]:
+def ball_forced_string(drive: FourierDrive) -> Problem[Any]:
     """:func:`forced_string` over balls, of the doubles in the drive as they stand; no resonance is
     refused. Make it, and expand it, within :func:`~asymptotics.rings.precision.at_precision`.
     """
@@ -236,7 +236,7 @@ def ball_forced_string(drive: Drive) -> Problem[Any]:
 
 
 def _forced(
-    drive: Drive,
+    drive: FourierDrive,
     ring: Ring[Any],
     circle: Callable[[int], tuple[Any, Any, Any]],
     amplitudes: Mapping[int, Any],
@@ -269,7 +269,7 @@ def _forced(
     )
 
 
-def _check_resonances(drive: Drive, order: int) -> None:
+def _check_resonances(drive: FourierDrive, order: int) -> None:
     """As :func:`~asymptotics.problems.problem.check_frequency`, for every combination the order
     excites.
     """

@@ -2,7 +2,7 @@ r"""The forced string, exact in everything: frequencies, cotangents and amplitud
 
 No relation between the generators is used, so a formula holds for any number of incommensurate
 frequencies; with one frequency, :class:`~asymptotics.rings.cotangent.CotangentRing` also knows how
-its cotangents are related (:func:`asymptotics.problems.problem.string` with a ``drive``).
+its cotangents are related (:func:`asymptotics.problems.problem.string_problem` with a ``drive``).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from flint import acb
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
-from asymptotics.problems.forcing import Drive, Index, excited, packed_index
+from asymptotics.problems.forcing import FourierDrive, Index, excited, packed_index
 from asymptotics.problems.problem import Problem, driven_string
 from asymptotics.rings.harmonics import unpack
 from asymptotics.rings.pickling import remembering
@@ -95,7 +95,7 @@ def _label(packed: int, count: int) -> str:
     return "_".join(str(n).replace("-", "m") for n in unpack(packed, count))
 
 
-def generator_values(drive: Drive, order: int, enclosed: bool = False) -> dict[str, Any]:
+def generator_values(drive: FourierDrive, order: int, enclosed: bool = False) -> dict[str, Any]:
     """Numbers for the generators of :func:`generator_string`, for the harmonics of one drive.
 
     In doubles; or, ``enclosed``, balls in the precision of the moment, over which

@@ -12,7 +12,7 @@ from asymptotics.problems.moving_contact import MovingContact, moving_contact
 from asymptotics.problems.static_shape import check_driven_end
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 
-Drive = Mapping[int, tuple[Any, Any]]
+DriveTable = Mapping[int, tuple[Any, Any]]
 """n ↦ (amplitude, phase): ΔZ = Σ amplitude · cos(nΩτ + phase)."""
 
 
@@ -21,7 +21,7 @@ def string(
     damping: Any = 0,
     viscosity: Any = 0,
     foundation: Any = 0,
-    drive: Drive | None = None,
+    drive: DriveTable | None = None,
     ground: Any = 0,
     springs: Any = 0,
 ) -> MovingContact:
@@ -35,7 +35,7 @@ def string(
     damping, viscosity, foundation
         ζ, η (Kelvin–Voigt) and κ.
     drive
-        See :data:`Drive`; cos Ωτ by default.
+        See :data:`DriveTable`; cos Ωτ by default.
     ground
         g(ξ), a polynomial.
     springs
@@ -69,7 +69,7 @@ def beam(
     damping: Any = 0,
     viscosity: Any = 0,
     foundation: Any = 0,
-    drive: Drive | None = None,
+    drive: DriveTable | None = None,
     ground: Any = 0,
     springs: Any = 0,
 ) -> MovingContact:
@@ -103,7 +103,7 @@ def _equation(beta: Any, damping: Any, viscosity: Any, foundation: Any) -> sympy
     return sympy.Eq(left, right - beta * W.diff(xi, 4))
 
 
-def _sum(drive: Drive | None) -> sympy.Expr:
+def _sum(drive: DriveTable | None) -> sympy.Expr:
     terms = {1: (1, 0)} if drive is None else dict(drive)
     if not terms or not all(isinstance(n, int) and n >= 0 for n in terms):
         raise InputError(

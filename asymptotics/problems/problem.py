@@ -274,7 +274,7 @@ def driven_string(
 
 
 @remembering
-def string(
+def string_problem(
     ring: Ring[E],
     omega: E,
     cot: Callable[[int], E],
@@ -340,7 +340,7 @@ def string(
 def exact_string() -> Problem[Any]:
     """The string over the exact ring: closed forms in Ω."""
     ring = CotangentRing()
-    return string(ring, ring.omega, ring.cot, name="string")
+    return string_problem(ring, ring.omega, ring.cot, name="string")
 
 
 @remembering
@@ -359,7 +359,7 @@ def float_string(omega: float, order: int) -> Problem[Any]:
     from asymptotics.problems.enclosed import ball_string
 
     omega = check_frequency(omega, order)
-    problem = string(
+    problem = string_problem(
         FloatRing(), omega, lambda j: accurate_cot(j, omega), name=f"string at {omega!r}"
     )
     return replace(problem, balls=lambda: ball_string(omega))

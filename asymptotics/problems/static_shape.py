@@ -214,7 +214,7 @@ class StaticShape:
         array([1.      , 0.264831, 0.      ])
         """
         check_derivative(d)
-        x = positions(xi, self.contact_point)
+        x = lifted_positions(xi, self.contact_point)
         if self.beta == 0:
             return ((1 - x) ** 2, 2 * (x - 1), np.full_like(x, 2.0))[d] if d < 3 else 0 * x
         root = math.sqrt(self.beta)
@@ -282,7 +282,7 @@ def check_derivative(d: Any) -> None:
         raise InputError(f"d = {d!r}; the order of a derivative is a whole number d >= 0")
 
 
-def positions(xi: ArrayLike, end: float) -> Array:
+def lifted_positions(xi: ArrayLike, end: float) -> Array:
     """ξ as an array when all of it is on the lifted part, or an :class:`InputError`."""
     try:
         x = np.asarray(xi, dtype=float)

@@ -62,7 +62,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
 from asymptotics.expansion.reduced_equation import Array, Resonance
 from asymptotics.problems.beam import check_beam
-from asymptotics.problems.problem import string
+from asymptotics.problems.problem import string_problem
 from asymptotics.resonances.fold_range import LEAST, Range, fold_range
 from asymptotics.rings.balls import outward
 from asymptotics.rings.ring import FloatRing
@@ -83,14 +83,14 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True)
-class Coefficient:
+class FoldCoefficient:
     """A real number with a bound on its absolute error."""
 
     value: float
     error: float
 
     @classmethod
-    def of(cls, ball: arb) -> Coefficient:
+    def of(cls, ball: arb) -> FoldCoefficient:
         """The double next to a ball's centre, and how far from it the ball reaches."""
         value = float(ball.mid())
         return cls(value, outward(abs(ball - arb(value)))[1])
@@ -117,9 +117,9 @@ class Fold:
     beta: float
     driven_end: str
     resonance: float
-    F: Coefficient
-    alpha: Coefficient
-    gamma: Coefficient | None
+    F: FoldCoefficient
+    alpha: FoldCoefficient
+    gamma: FoldCoefficient | None
     string_F: float
     range: Range | None = None
 
@@ -134,13 +134,13 @@ class Fold:
         return Fraction(3, 2 * self.q)
 
     @property
-    def coefficient(self) -> Coefficient:
+    def coefficient(self) -> FoldCoefficient:
         """C_{p,q}, in the detuning from the shifted centre; to first order in the errors."""
         q, F, alpha = self.q, self.F, self.alpha
         value = float(fold_coefficient(q, F.value, alpha.value))
         relative = F.error / abs(F.value) + alpha.error / abs(2 * alpha.value)
         # The formula itself rounds a few times.
-        return Coefficient(value, value * (relative / q + 4 * _EPS))
+        return FoldCoefficient(value, value * (relative / q + 4 * _EPS))
 
     @property
     def sign(self) -> int:
@@ -374,7 +374,7 @@ def amplitude_equation(p: int, q: int, beta: float, driven_end: str = "pinned") 
     p, q = check_fraction(p, q)
     check_beam(beta, driven_end)
     resonance = Resonance(p, q, finite_number("beta", beta), driven_end)
-    F, alpha, *gamma = (Coefficient.of(ball) for ball in resonance.coefficients())
+    F, alpha, *gamma = (FoldCoefficient.of(ball) for ball in resonance.coefficients())
     result = Fold(
         p=p,
         q=q,
@@ -411,7 +411,7 @@ def string_forcing(p: int, q: int) -> float:
         def cot(j: int) -> float:
             return at_pole if j == q else 1 / math.tan(j * omega)
 
-        return float(2 * expand(string(FloatRing(), omega, cot), q).contact(q).get(q, 0.0))
+        return float(2 * expand(string_problem(FloatRing(), omega, cot), q).contact(q).get(q, 0.0))
 
     return (harmonic(1.0) - harmonic(0.0)) / math.sin(omega) ** q
 

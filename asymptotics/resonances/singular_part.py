@@ -24,9 +24,9 @@ from flint import fmpq
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Expansion, expand
-from asymptotics.problems.problem import string
+from asymptotics.problems.problem import string_problem
 from asymptotics.resonances.pendulum import coefficient
-from asymptotics.rings.laurent import LaurentElement, LaurentRing, PrecisionError
+from asymptotics.rings.laurent import LaurentElement, LaurentRing, TruncationError
 from asymptotics.rings.resonance_field import (
     ONE,
     ZERO,
@@ -89,7 +89,7 @@ def laurent_expansion(p: int, q: int, order: int, terms: int = 1) -> Expansion[L
     (-1/256*pi^3)*mu^-1 + O(mu^0)
     """
     ring = LaurentRing(p, q, terms)
-    return expand(string(ring, ring.omega, ring.cot, name=f"string near {p}/{q}"), order)
+    return expand(string_problem(ring, ring.omega, ring.cot, name=f"string near {p}/{q}"), order)
 
 
 def amplitudes(expansion: Expansion[LaurentElement], n: int) -> dict[int, LaurentElement]:
@@ -144,7 +144,7 @@ def singular_part(p: int, q: int, order: int) -> SingularPart:
     if n > 1:
         return _pendulum_part(singular_part(p, q, q), n)
     ring = _OneSidedRing(p, q, 1)
-    expansion = expand(string(ring, ring.omega, ring.cot, name=f"string near {p}/{q}"), q)
+    expansion = expand(string_problem(ring, ring.omega, ring.cot, name=f"string near {p}/{q}"), q)
     harmonics = _leading(amplitudes(expansion, 1), 1)
     return SingularPart(p, q, q, 1, "mu", harmonics, ring.field)
 
@@ -174,7 +174,7 @@ def expanded_part(p: int, q: int, order: int) -> SingularPart:
         try:
             harmonics = _leading(series, 2 * n - 1)
             break
-        except PrecisionError:
+        except TruncationError:
             terms *= 2
     return SingularPart(p, q, q * n, 2 * n - 1, "mu", harmonics, ResonanceField(p, q))
 

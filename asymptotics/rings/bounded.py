@@ -161,10 +161,10 @@ class BoundedRing(FloatRing):
     """The ring of :class:`Bounded` numbers: what an expansion loses to rounding is in its result.
 
     >>> from asymptotics import expand
-    >>> from asymptotics.problems.problem import string
+    >>> from asymptotics.problems.problem import string_problem
     >>> omegas = Bounded(np.array([2.2, 3.1415926]))
     >>> cot = lambda j: bounded().cos(j * omegas) / bounded().sin(j * omegas)
-    >>> xi = expand(string(BoundedRing(), omegas, cot), 4).contact(4)[4]
+    >>> xi = expand(string_problem(BoundedRing(), omegas, cot), 4).contact(4)[4]
     >>> [float(f"{lost:.0e}") for lost in xi.error / abs(xi.value)]    # near π half the digits
     [6e-14, 4e-08]
     """
@@ -191,7 +191,7 @@ class BoundedRing(FloatRing):
 
 @remembering
 def bounded() -> Numbers:
-    """The arithmetic of :class:`Bounded` numbers, for :func:`asymptotics.problems.beam.beam`."""
+    """The arithmetic of :class:`Bounded` numbers, for problems that take one."""
     sqrt = _function(np.sqrt, _spread_of_sqrt)
     exp = _function(np.exp, _spread_of_exp)
     sin, cos = (_function(f, _spread_of_circular) for f in (np.sin, np.cos))

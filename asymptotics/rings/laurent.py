@@ -4,7 +4,7 @@ An element is Σ_k a_k μ^k + O(μ^P) with exact coefficients, polynomials in π
 (:mod:`asymptotics.rings.resonance_field`).
 
 Precision is absolute and honest: P is carried through sums and products, a leading coefficient that
-cancellation has eaten raises :class:`PrecisionError`, and an element without any known coefficient
+cancellation has eaten raises :class:`TruncationError`, and an element without any known coefficient
 is not zero. ``terms`` bounds how many coefficients are kept, counted from the leading one, as the
 length of a mantissa does.
 """
@@ -21,7 +21,7 @@ from asymptotics.errors import InputError, RopewaveError
 from asymptotics.rings.resonance_field import ONE, ZERO, C, Coefficient, ResonanceField, constant
 
 
-class PrecisionError(RopewaveError, ArithmeticError):
+class TruncationError(RopewaveError, ArithmeticError):
     """A coefficient that the O-term of a truncated series covers."""
 
 
@@ -66,11 +66,11 @@ class LaurentElement:
 
         Raises
         ------
-        PrecisionError
+        TruncationError
             The O-term covers it.
         """
         if self.precision is not None and k >= self.precision:
-            raise PrecisionError(
+            raise TruncationError(
                 f"the coefficient of mu^{k} is not determined: the series is known up to "
                 f"O(mu^{self.precision}). Give the ring more terms"
             )
@@ -82,7 +82,7 @@ class LaurentElement:
 
         Raises
         ------
-        PrecisionError
+        TruncationError
             No coefficient is known: all that is left is the O-term.
         ValueError
             The element is exactly zero.
@@ -90,7 +90,7 @@ class LaurentElement:
         if self.is_exact_zero():
             raise ValueError("zero has no leading term")
         if not self.coefficients:
-            raise PrecisionError(
+            raise TruncationError(
                 f"the leading coefficient is not determined: only O(mu^{self.precision}) is left. "
                 "Give the ring more terms"
             )

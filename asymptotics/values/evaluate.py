@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from asymptotics.checks import axis, check_order, finite_number, positions
 from asymptotics.expansion.order_loop import Expansion, Progress, expansions
-from asymptotics.problems.forcing import Drive, forced_string, fourier_drive
+from asymptotics.problems.forcing import FourierDrive, forced_string, fourier_drive
 from asymptotics.problems.problem import check_frequency
 from asymptotics.values.response import Response, check_ordering, response
 
@@ -85,7 +85,7 @@ def evaluate(
 
 def string_expansion(
     omega: float, epsilon: float, order: int, progress: Progress | None = None
-) -> tuple[Expansion[float], Drive]:
+) -> tuple[Expansion[float], FourierDrive]:
     """The string's expansion in ε at one Ω, and the drive ΔZ = cos Ωτ.
 
     Raises

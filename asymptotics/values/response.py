@@ -100,7 +100,7 @@ def response(
         :func:`~asymptotics.problems.damped.damped_string`,
         :func:`~asymptotics.problems.beam.float_beam`.
     phase
-        (j, τ) ↦ θ_j, as :meth:`asymptotics.problems.forcing.Drive.phase`.
+        (j, τ) ↦ θ_j, as :meth:`asymptotics.problems.forcing.FourierDrive.phase`.
     epsilon
         The problem's small parameter: the forcing amplitude ε in units of Z₀ for the problems
         above, ε/sin Ω for :func:`~asymptotics.problems.problem.float_string`.

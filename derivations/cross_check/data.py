@@ -26,7 +26,7 @@ from asymptotics.errors import InputError
 from derivations.cross_check.forms import (
     SHARE,
     Array,
-    ClosedForm,
+    JudgedForm,
     largest_amplitudes,
     phases,
     rms,
@@ -150,7 +150,7 @@ class Comparison:
 
 def against_exact_string(
     omega: float,
-    forms: Sequence[ClosedForm],
+    forms: Sequence[JudgedForm],
     length: float = 400.0,
     points: int = 4,
     decades: float = 2.0,
@@ -178,7 +178,7 @@ def against_exact_string(
     return comparison(omega, 0.0, epsilon, len(forms), EXACT_KEEP, rows)
 
 
-def _exact_row(omega: float, epsilon: float, forms: Sequence[ClosedForm], length: float) -> Row:
+def _exact_row(omega: float, epsilon: float, forms: Sequence[JudgedForm], length: float) -> Row:
     drive = ramped(omega, epsilon, length)
     tau, xi = phases(omega, length + SETTLE), PLACES[:, None]
     # Labels serve the search for a sonic contact only; that there is none the circle vouches for.

@@ -26,7 +26,7 @@ PHASES = 24
 
 
 @dataclass(frozen=True)
-class ClosedForm:
+class JudgedForm:
     """ξ_c(τ, ε) and W(ξ, τ, ε) through one order, at one Ω and β."""
 
     order: int
@@ -55,7 +55,7 @@ def beam_source(order: int) -> str:
     return beam_numpy(expand_symbolic(order))
 
 
-def string_form(omega: float, order: int, source: str | None = None) -> ClosedForm:
+def string_form(omega: float, order: int, source: str | None = None) -> JudgedForm:
     """The string's closed form at Ω; from another ``source`` than what is emitted if given.
 
     W at ξ is the emitted profile at s = ξ − ξ_c, both of this order, and 0 on the ground.
@@ -75,10 +75,10 @@ def string_form(omega: float, order: int, source: str | None = None) -> ClosedFo
     def shape(xi: Any, tau: Any, epsilon: Any) -> Array:
         return np.asarray(module["profile"](xi - contact(tau, epsilon), tau, omega, epsilon))
 
-    return ClosedForm(order, contact, shape)
+    return JudgedForm(order, contact, shape)
 
 
-def beam_form(omega: float, order: int, beta: float, source: str | None = None) -> ClosedForm:
+def beam_form(omega: float, order: int, beta: float, source: str | None = None) -> JudgedForm:
     """As :func:`string_form`, for the pinned rope with bending.
 
     >>> round(float(beam_form(2.2, 3, beta=0.01).contact(0.0, 0.02)), 8)
@@ -86,14 +86,14 @@ def beam_form(omega: float, order: int, beta: float, source: str | None = None) 
     """
     module: dict[str, Any] = {}
     exec(beam_source(order) if source is None else source, module)
-    return ClosedForm(
+    return JudgedForm(
         order,
         lambda tau, epsilon: np.asarray(module["contact"](tau, omega, epsilon, beta)),
         lambda xi, tau, epsilon: np.asarray(module["shape"](xi, tau, omega, epsilon, beta)),
     )
 
 
-def closed_form(omega: float, order: int, beta: float) -> ClosedForm:
+def closed_form(omega: float, order: int, beta: float) -> JudgedForm:
     """The one of the two that β asks for."""
     return beam_form(omega, order, beta) if beta > 0 else string_form(omega, order)
 

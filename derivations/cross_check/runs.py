@@ -26,7 +26,7 @@ from derivations.cross_check.data import (
     comparison,
     ramped,
 )
-from derivations.cross_check.forms import PHASES, Array, ClosedForm, rms
+from derivations.cross_check.forms import PHASES, Array, JudgedForm, rms
 from numerics.exact_string.invariant_circle import invariant_circle
 from numerics.problems.drive import Drive
 from numerics.problems.problem import RopeProblem
@@ -105,7 +105,7 @@ def against_simulator(
     omega: float,
     beta: float,
     epsilon: Sequence[float] | Array,
-    forms: Sequence[ClosedForm],
+    forms: Sequence[JudgedForm],
     dx: float,
     scheme: Scheme,
     length: float = 150.0,
@@ -132,7 +132,7 @@ def _simulated_row(
     omega: float,
     beta: float,
     epsilon: float,
-    forms: Sequence[ClosedForm],
+    forms: Sequence[JudgedForm],
     dx: float,
     scheme: Scheme,
     length: float,
@@ -161,7 +161,7 @@ def _size(parts: NDArray[np.complex128]) -> float:
 
 
 def layer_residual(
-    form: ClosedForm,
+    form: JudgedForm,
     omega: float,
     epsilon: float,
     beta: float,

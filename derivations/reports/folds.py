@@ -11,8 +11,8 @@ import numpy as np
 
 from asymptotics.errors import InputError
 from asymptotics.resonances.folds import (
-    Coefficient,
     Fold,
+    FoldCoefficient,
     Kind,
     amplitude_equation,
     fold_coefficient,
@@ -87,7 +87,7 @@ def _range(result: Fold) -> list[str]:
     ]
 
 
-def _number(coefficient: Coefficient) -> str:
+def _number(coefficient: FoldCoefficient) -> str:
     return f"{coefficient.value:.8g} (error {coefficient.error:.1g})"
 
 

@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 from numerics.errors import InputError, NumericsError
 
 Array = NDArray[np.float64]
-Coefficient = float | Sequence[float]
+NumberOrPolynomial = float | Sequence[float]
 """A number, or a polynomial in ξ: its coefficients, the highest power first."""
-Terms = Mapping[tuple[int, int], Coefficient]
+Terms = Mapping[tuple[int, int], NumberOrPolynomial]
 """(k, t) ↦ the coefficient of ∂_ξ^k ∂_τ^t W."""
 
 SETTLED = 1e-6
@@ -62,7 +62,7 @@ class LinearRope:
     """
 
     terms: Terms
-    load: Coefficient
+    load: NumberOrPolynomial
     ends: Sequence[tuple[Terms, float, Callable[[Array], Array]]]
     contacts: int
     omega: float

@@ -91,7 +91,7 @@ def factor(bands: Array, active: Flags, start: int, stop: int, factors: Array) -
 
 
 @njit(cache=True)
-def sweep(
+def substituted(
     factors: Array,
     right: Array,
     active: Flags,
@@ -240,7 +240,7 @@ def complementarity(
     """
     n = len(right)
     factor(bands, active, fresh, size, factors)
-    sweep(factors, right, active, 0, 0, size, y, x)
+    substituted(factors, right, active, 0, 0, size, y, x)
     changed, spans = np.empty(n, np.int64), np.empty((n, 2), np.int64)
     slack = _ROUNDINGS * _EPS * bands[0, 0]
     limit = slack * largest(x, size)
@@ -259,7 +259,7 @@ def complementarity(
             start = changed[following]
             begin, stop, following = span(active, changed, following, count, size)
             factor(bands, active, start, stop, factors)
-            sweep(factors, right, active, begin, start, stop, y, x)
+            substituted(factors, right, active, begin, start, stop, y, x)
             spans[parts, 0], spans[parts, 1] = begin, stop
             parts += 1
         count = 0

@@ -197,12 +197,12 @@ def run_once(
     drive = ramped_cosine(omega, epsilon, settings.ramp)
     length = settings.ramp * drive.period
     until = length + settings.hold * drive.period
-    return watch(
+    return watch_ramp(
         drive, epsilon, lambda t: smooth_step(t / length)[0], beta, settings, until, watching
     )
 
 
-def watch(
+def watch_ramp(
     drive: Drive,
     epsilon: float,
     envelope: Envelope,

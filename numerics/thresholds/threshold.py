@@ -37,7 +37,7 @@ from numerics.thresholds.ramped_run import (
     Watching,
     base_settings,
     run_once,
-    watch,
+    watch_ramp,
 )
 from numerics.thresholds.string import StringBracket, string_brackets
 
@@ -285,7 +285,7 @@ def _sweep(omega: float, beta: float, settings: Settings, watching: Watching | N
         omega,
     )
     until = math.acosh(1 + highest / LOWEST) / rate
-    lost = watch(drive, highest, amplitude, beta, settings, until, watching)
+    lost = watch_ramp(drive, highest, amplitude, beta, settings, until, watching)
     return max(float(amplitude(np.array(lost.periods * drive.period))), 2 * LOWEST)
 
 

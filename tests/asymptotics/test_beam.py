@@ -11,11 +11,11 @@ import pytest
 from flint import arb
 from mpmath import mpf
 
-from asymptotics import Expansion, expand, moving_frame, string
+from asymptotics import Expansion, expand, moving_frame, string_problem
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion.order_loop import derivative_towers
 from asymptotics.expansion.proof import prove, residuals
-from asymptotics.problems.beam import beam, float_beam, static_beam
+from asymptotics.problems.beam import beam_problem, float_beam, static_beam
 from asymptotics.problems.beam_spectrum import linear_frequencies
 from asymptotics.problems.beam_waves import end_residuals, static_end_residuals, waves
 from asymptotics.problems.static_shape import DRIVEN_ENDS
@@ -73,7 +73,7 @@ def test_without_tension_the_contact_point_grows_like_the_fourth_root(
 @pytest.mark.parametrize("driven_end", DRIVEN_ENDS)
 def test_no_overflow_over_sixteen_decades(driven_end: str) -> None:
     for exponent in range(-8, 9):
-        solution = expand(beam(10.0**exponent, 1.3, driven_end), 3)
+        solution = expand(beam_problem(10.0**exponent, 1.3, driven_end), 3)
         for n in (1, 2, 3):
             values = np.array(list(solution.contact(n).values()))
             assert np.isfinite(values).all()
@@ -84,7 +84,7 @@ def test_no_overflow_over_sixteen_decades(driven_end: str) -> None:
 @pytest.mark.parametrize("beta", [1e-4, 0.01, 1.0])
 def test_pinned_impedances_in_closed_form(beta: float, j: int) -> None:
     """With Δ = p S − T cos kL, S = sin(kL)/k, T = tanh pL, the 2×2 system has a short solution."""
-    problem, length = beam(beta, 2.2), static_beam(beta).contact_point
+    problem, length = beam_problem(beta, 2.2), static_beam(beta).contact_point
     rate = 2.2 * j
     root = math.sqrt(1 + 4 * beta * rate**2)
     k, p = math.sqrt(2 * rate**2 / (1 + root)), math.sqrt((1 + root) / (2 * beta))
@@ -161,7 +161,7 @@ def test_residuals_in_double_precision(beta: float, omega: float, driven_end: st
 def test_residuals_at_fifty_digits(driven_end: str) -> None:
     order = 5
     with mpmath.workdps(50):
-        problem = beam("0.01", "2.2", driven_end, digits())
+        problem = beam_problem("0.01", "2.2", driven_end, digits())
         solution = expand(problem, order)
         frame = moving_frame(solution)
         for n in range(1, order + 1):
@@ -181,10 +181,10 @@ def test_residuals_at_fifty_digits(driven_end: str) -> None:
 
 def test_balls_enclose_zero_and_the_numbers() -> None:
     with at_precision(200):
-        solution = expand(beam("0.01", "2.2", "pinned", balls()), 4)
+        solution = expand(beam_problem("0.01", "2.2", "pinned", balls()), 4)
         frame = moving_frame(solution)
         with mpmath.workdps(60):
-            numbers = expand(beam("0.01", "2.2", "pinned", digits()), 4)
+            numbers = expand(beam_problem("0.01", "2.2", "pinned", digits()), 4)
         for n in range(1, 5):
             for residual in residuals(solution, frame, n):
                 assert residual.contains(0)
@@ -198,7 +198,7 @@ def test_balls_enclose_zero_and_the_numbers() -> None:
 def test_the_static_shape_carries_its_weight(driven_end: str) -> None:
     """Order 0 of the proof: W₀ − βW₀⁗ … = 2, its derivatives 0, and both driven-end conditions."""
     with at_precision(200):
-        problem = beam("0.01", "2.2", driven_end, balls())
+        problem = beam_problem("0.01", "2.2", driven_end, balls())
         for d in range(6):
             left = problem.equation_residual(0, [problem.static(d + i) for i in range(5)])
             left = left - (problem.load[0] if d == 0 else 0)
@@ -210,7 +210,10 @@ def test_the_static_shape_carries_its_weight(driven_end: str) -> None:
         for end in ends:
             assert end.contains(0)
             assert end.rad() < 1e-40
-    for rope in (beam(0.01, 2.2, driven_end), beam(np.array([0.01, 0.1]), 2.2, driven_end)):
+    for rope in (
+        beam_problem(0.01, 2.2, driven_end),
+        beam_problem(np.array([0.01, 0.1]), 2.2, driven_end),
+    ):
         left = rope.equation_residual(0, [rope.static(i) for i in range(5)])
         assert left == pytest.approx(rope.load[0], rel=8 * EPS)
 
@@ -219,7 +222,7 @@ def test_floats_are_the_digits_rounded() -> None:
     for beta, omega in CASES:
         found = expand(float_beam(beta, omega, 5), 5)
         with mpmath.workdps(60):
-            exact = expand(beam(beta, omega, "pinned", digits()), 5)
+            exact = expand(beam_problem(beta, omega, "pinned", digits()), 5)
         for n in range(1, 6):
             # The Taylor sums hold p^n-fold larger terms that cancel: what the roundings refer to.
             scale = max(abs(x) for w in found.shape(n).values() for x in w) * abs(
@@ -234,7 +237,7 @@ def test_the_string_is_met_with_its_boundary_layer(driven_end: str) -> None:
     """ξ_c = ξ_c⁰ + √(β/(1 − ξ_c′²)) + O(β), harmonic by harmonic to order 3 in ε."""
     with mpmath.workdps(60):
         omega = mpf("2.2")
-        limit = expand(string(NumberRing(mpf), omega, lambda j: mpmath.cot(j * omega)), 3)
+        limit = expand(string_problem(NumberRing(mpf), omega, lambda j: mpmath.cot(j * omega)), 3)
         sine = mpmath.sin(omega)
         a = 2 * limit.contact(1)[1] / sine
         b = 2 * limit.contact(2)[2] / sine**2
@@ -248,7 +251,7 @@ def test_the_string_is_met_with_its_boundary_layer(driven_end: str) -> None:
         errors: dict[tuple[int, int], list[mpf]] = {}
         for exponent in (6, 8, 10):
             beta = mpf(10) ** -exponent
-            solution = expand(beam(beta, omega, driven_end, digits()), 3)
+            solution = expand(beam_problem(beta, omega, driven_end, digits()), 3)
             for n in (1, 2, 3):
                 for j, c in solution.contact(n).items():
                     known = limit.contact(n)[j] / sine**n
@@ -264,7 +267,7 @@ def test_the_string_is_met_with_its_boundary_layer(driven_end: str) -> None:
 def test_complex_frequencies_continue_the_real_ones() -> None:
     """f(Ω̄) = conj f(Ω), and the mean over a circle is the value at its centre."""
     circle = 2.2 + 0.05 * np.exp(2j * np.pi * np.arange(32) / 32)
-    around, centre = expand(beam(0.01, circle), 3), expand(beam(0.01, 2.2), 3)
+    around, centre = expand(beam_problem(0.01, circle), 3), expand(beam_problem(0.01, 2.2), 3)
     for n in (1, 2, 3):
         for j, c in centre.contact(n).items():
             values = around.contact(n)[j]

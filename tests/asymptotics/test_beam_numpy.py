@@ -15,7 +15,7 @@ from asymptotics import expand
 from asymptotics.errors import ResonanceError
 from asymptotics.formulas.beam import expand_symbolic
 from asymptotics.printing.beam_numpy import beam_numpy
-from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.beam import beam_problem, float_beam
 from asymptotics.problems.beam_spectrum import linear_frequencies
 from asymptotics.problems.static_shape import DRIVEN_ENDS
 from asymptotics.rings.numbers import digits
@@ -157,7 +157,7 @@ def test_thin_layers_cost_what_is_stated_and_then_there_is_no_result(driven_end:
     module = module_of(4, driven_end)
     for beta in (1e-2, 1e-4, 1e-6, 1e-10, 1e-13):
         with mp.workdps(120):
-            exact = expand(beam(mpf(beta), mpf(OMEGA), driven_end, digits()), 4)
+            exact = expand(beam_problem(mpf(beta), mpf(OMEGA), driven_end, digits()), 4)
             wanted = {
                 (n, j): (2 if j else 1) * c
                 for n in range(1, 5)

@@ -29,7 +29,7 @@ from asymptotics.formulas.beam import (
 )
 from asymptotics.printing.beam_latex import beam_latex
 from asymptotics.printing.beam_numpy import beam_numpy
-from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam import beam_problem, static_beam
 from asymptotics.problems.static_shape import DRIVEN_ENDS
 from asymptotics.rings.harmonics import reachable
 from asymptotics.rings.numbers import digits
@@ -86,7 +86,7 @@ def test_values_are_the_numeric_beam_s(beta: str, omega: str, driven_end: str) -
     with mpmath.workdps(50):
         numbers = digits()
         point = impedances(beta, omega, ORDER, driven_end, numbers)
-        direct = expand(beam(beta, omega, driven_end, numbers), ORDER)
+        direct = expand(beam_problem(beta, omega, driven_end, numbers), ORDER)
         for n in range(1, ORDER + 1):
             assert series().contact(n).keys() == direct.contact(n).keys()
             for j, c in series().contact(n).items():
@@ -167,7 +167,7 @@ def test_the_numpy_module_gives_the_beam_s_numbers(
 ) -> None:
     found = module_of(4, driven_end)["harmonics"](omega, beta)
     with mpmath.workdps(50):
-        exact = expand(beam(beta, omega, driven_end, digits()), 4)
+        exact = expand(beam_problem(beta, omega, driven_end, digits()), 4)
     assert set(found) == {(n, j) for n in range(1, 5) for j in exact.contact(n)}
     for (n, j), value in found.items():
         wanted = float(exact.contact(n)[j] * (1 if j == 0 else 2))
@@ -181,7 +181,7 @@ def test_the_numpy_module_in_the_boundary_layer(driven_end: str) -> None:
     """β = 1e-6: terms of size β^{−n/2} have cancelled before the code was written."""
     found = module_of(3, driven_end)["harmonics"](2.2, 1e-6)
     with mpmath.workdps(60):
-        exact = expand(beam(1e-6, 2.2, driven_end, digits()), 3)
+        exact = expand(beam_problem(1e-6, 2.2, driven_end, digits()), 3)
     for (n, j), value in found.items():
         wanted = float(exact.contact(n)[j] * (1 if j == 0 else 2))
         # p² ulp, p = 1000, in what is left of Y₂₀ at order 3; p³ and more were it not for that.
@@ -193,7 +193,7 @@ def test_the_numpy_module_adds_up_the_series_and_broadcasts() -> None:
     tau, omega = np.linspace(0, 3, 4), np.array([[1.3], [2.2]])
     found = module["contact"](tau, omega, 0.02, 0.01)
     assert found.shape == (2, 4)
-    direct = expand(beam(0.01, 2.2), 3)
+    direct = expand(beam_problem(0.01, 2.2), 3)
     wanted = static_beam(0.01).contact_point + sum(
         0.02**n * c * (1 if j == 0 else 2) * np.cos(j * 2.2 * tau)
         for n in range(1, 4)

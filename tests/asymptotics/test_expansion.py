@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asymptotics import Expansion, exact_string, expand, float_string, prove, string
+from asymptotics import Expansion, exact_string, expand, float_string, prove, string_problem
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion.order_loop import Order
 from asymptotics.expansion.proof import RefutedError
@@ -125,7 +125,7 @@ def test_floats_and_closed_forms_agree(sixth: Expansion) -> None:
 
 def test_one_frequency_or_an_array_of_them() -> None:
     omegas = np.array([0.83, 2.2, 4.0])
-    problem = string(FloatRing(), omegas, lambda j: 1 / np.tan(j * omegas))
+    problem = string_problem(FloatRing(), omegas, lambda j: 1 / np.tan(j * omegas))
     together = expand(problem, 4)
     for i, omega in enumerate(omegas):
         alone = expand(float_string(omega, 4), 4)

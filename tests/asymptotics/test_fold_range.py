@@ -11,7 +11,7 @@ import pytest
 
 from asymptotics import expand
 from asymptotics.expansion.reduced_equation import Resonance, reduced_equation
-from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam import beam_problem, static_beam
 from asymptotics.problems.beam_spectrum import linear_frequencies
 from asymptotics.problems.static_shape import DRIVEN_ENDS
 from asymptotics.resonances import fold_range
@@ -26,7 +26,7 @@ from asymptotics.rings.precision import at_precision
 def test_the_reduced_equation_is_solved_by_the_plain_expansion(q: int, driven_end: str) -> None:
     """b(ε) = w_q″ of the plain series makes G vanish, order by order; Ω away from resonances."""
     order, omega, beta = 6, 2.2 / q, 0.01
-    plain = expand(beam(beta, omega, driven_end), order)
+    plain = expand(beam_problem(beta, omega, driven_end), order)
     series = np.zeros(order + 1)
     for n in range(1, order + 1):
         if q in plain.shape(n):

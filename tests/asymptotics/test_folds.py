@@ -16,14 +16,14 @@ import pytest
 
 from asymptotics import expand
 from asymptotics.errors import InputError
-from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam import beam_problem, static_beam
 from asymptotics.problems.beam_spectrum import linear_frequencies
 from asymptotics.problems.beam_waves import waves
 from asymptotics.problems.static_shape import DRIVEN_ENDS
 from asymptotics.resonances.folds import (
     LARGEST_Q,
-    Coefficient,
     Fold,
+    FoldCoefficient,
     Kind,
     amplitude_equation,
     fold,
@@ -68,7 +68,9 @@ def laurent(
     values = []
     for i in range(points // 2 + 1):  # the other half is the conjugate
         turn = mpmath.expjpi(mpmath.mpf(2 * i) / points)
-        solution = expand(beam(beta, centre + radius * turn, driven_end, numbers, shape), order)
+        solution = expand(
+            beam_problem(beta, centre + radius * turn, driven_end, numbers, shape), order
+        )
         values.append((turn, solution))
 
     def coefficient(n: int, k: int) -> Any:
@@ -149,10 +151,10 @@ def test_the_bound_on_the_coefficient_counts_both_errors() -> None:
     plain = amplitude_equation(1, 2, 0.01)
     for name, share in (("F", 1e-3), ("alpha", 2e-3)):
         value = getattr(plain, name).value
-        wide = dataclasses.replace(plain, **{name: Coefficient(value, share * abs(value))})
+        wide = dataclasses.replace(plain, **{name: FoldCoefficient(value, share * abs(value))})
         bound = wide.coefficient.error / wide.coefficient.value
         assert bound == pytest.approx(5e-4, rel=1e-9)
-        moved = dataclasses.replace(plain, **{name: Coefficient(value * (1 - share), 0.0)})
+        moved = dataclasses.replace(plain, **{name: FoldCoefficient(value * (1 - share), 0.0)})
         change = moved.coefficient.value / plain.coefficient.value - 1
         assert change == pytest.approx(bound, rel=2e-3)
     assert 0 < plain.coefficient.error < 8 * EPS * plain.coefficient.value
@@ -167,7 +169,10 @@ def test_F_holds_against_small_detunings(p: int, q: int, driven_end: str) -> Non
     table = []
     for mu in sizes:
         values = [
-            q * m * 2 * expand(beam(0.02, result.resonance + m, driven_end), q).contact(q)[q]
+            q
+            * m
+            * 2
+            * expand(beam_problem(0.02, result.resonance + m, driven_end), q).contact(q)[q]
             for m in (mu, -mu)
         ]
         table.append(sum(values) / 2)  # even in μ: errors μ², μ⁴, …
@@ -198,7 +203,7 @@ def test_the_series_in_epsilon_ends_at_the_fold() -> None:
     law = amplitude_equation(1, 1, 0.01)
     deviations = []
     for mu in (-0.02, -0.01, -0.005):
-        series = expand(beam(0.01, law.resonance + mu), 25)
+        series = expand(beam_problem(0.01, law.resonance + mu), 25)
         c = np.array([series.contact(n)[1] for n in range(1, 26, 2)])
         ratio, m = c[1:] / c[:-1], np.arange(1.0, 13.0)
         for k in (1, 2):
@@ -233,8 +238,8 @@ def test_the_fold_is_a_double_root(p: int, q: int) -> None:
 def equation(q: int, kappa: float, gamma: float | None, alpha: float = -4.0, p: int = 1) -> Fold:
     """A made amplitude equation with the given κ (of α's sign) and γ."""
     F = math.sqrt(4 * kappa**3 / (27 * alpha))
-    exact = [Coefficient(x, 0.0) for x in (F, alpha)]
-    shift = None if gamma is None else Coefficient(gamma, 0.0)
+    exact = [FoldCoefficient(x, 0.0) for x in (F, alpha)]
+    shift = None if gamma is None else FoldCoefficient(gamma, 0.0)
     return Fold(p, q, 0.01, "pinned", 1.0, *exact, shift, -1.0)
 
 

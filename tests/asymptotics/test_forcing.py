@@ -9,11 +9,19 @@ import mpmath
 import numpy as np
 import pytest
 
-from asymptotics import Expansion, exact_string, expand, float_string, moving_frame, prove, string
+from asymptotics import (
+    Expansion,
+    exact_string,
+    expand,
+    float_string,
+    moving_frame,
+    prove,
+    string_problem,
+)
 from asymptotics.errors import InputError, OrderingError, ResonanceError
 from asymptotics.expansion.proof import RefutedError, residuals
 from asymptotics.problems.forcing import (
-    Drive,
+    FourierDrive,
     excited,
     forced_string,
     fourier_drive,
@@ -56,7 +64,7 @@ def test_one_cosine_is_the_papers_drive() -> None:
 
 
 @pytest.mark.parametrize("drive", DRIVES)
-def test_the_linear_order_is_the_linear_response(drive: Drive) -> None:
+def test_the_linear_order_is_the_linear_response(drive: FourierDrive) -> None:
     tau = np.linspace(0, 9, 23)
     rates, amplitudes = [], []
     for j, c in drive.amplitudes.items():
@@ -72,7 +80,7 @@ def test_the_linear_order_is_the_linear_response(drive: Drive) -> None:
 
 
 @pytest.mark.parametrize("drive", DRIVES)
-def test_a_delayed_drive_gives_the_delayed_state(drive: Drive) -> None:
+def test_a_delayed_drive_gives_the_delayed_state(drive: FourierDrive) -> None:
     """Every order, every harmonic: ξ_{n,j} e^{−ijΩt}."""
     time = 0.7
     here = expand(forced_string(drive, ORDER), ORDER)
@@ -136,7 +144,7 @@ def test_commensurate_frequencies_as_two_or_as_one(ratio: int) -> None:
 
 
 @pytest.mark.parametrize("drive", DRIVES)
-def test_residuals_are_roundings(drive: Drive) -> None:
+def test_residuals_are_roundings(drive: FourierDrive) -> None:
     solution = expand(forced_string(drive, ORDER), ORDER)
     frame = moving_frame(solution)
     top = max(drive.rate(j)[0] for j in excited(list(drive.amplitudes), ORDER))
@@ -169,7 +177,9 @@ def inverse(function: Callable, target: np.ndarray, guess: np.ndarray) -> np.nda
     return tau
 
 
-def characteristics_residuals(drive: Drive, order: int, epsilon: float) -> tuple[float, float]:
+def characteristics_residuals(
+    drive: FourierDrive, order: int, epsilon: float
+) -> tuple[float, float]:
     """What the truncated ξ_c leaves of the exact string's two conditions (means, at 25 times).
 
     With W = ξ² + f(τ − ξ) + g(τ + ξ): f′ = ξ_c at τ − ξ_c, so h(τ − ξ_c) = τ + ξ_c returns the
@@ -213,7 +223,9 @@ def characteristics_residuals(drive: Drive, order: int, epsilon: float) -> tuple
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("drive", DRIVES)
-def test_the_exact_strings_map_is_satisfied_to_the_order_kept(drive: Drive, order: int) -> None:
+def test_the_exact_strings_map_is_satisfied_to_the_order_kept(
+    drive: FourierDrive, order: int
+) -> None:
     """Quasi-periodic or not: both residuals fall like ε^{N+1}; a wrong order would leave ε^N.
 
     Successive halvings of ε change the measured slope by O(ε); 0.25 tells N + 1 from N.
@@ -272,7 +284,9 @@ def test_several_scaled_harmonics_are_exact_in_the_cotangent_ring() -> None:
     """ΔZ = sin Ω cos θ + ½ sin 2Ω cos 2θ: proved identically in Ω, the resonances resolved."""
     ring = CotangentRing()
     drive = {1: ring.rational(1, 2), 2: ring.rational(1, 4)}
-    solution = expand(string(ring, ring.omega, ring.cot, name="two harmonics", drive=drive), 4)
+    solution = expand(
+        string_problem(ring, ring.omega, ring.cot, name="two harmonics", drive=drive), 4
+    )
     proofs = prove(solution)
     assert all(proof.holds for proof in proofs)
     assert [len(proof.harmonics) for proof in proofs] == [1, 2, 5, 7, 9]

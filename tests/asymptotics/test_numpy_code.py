@@ -44,7 +44,7 @@ def modules(sixth: Expansion) -> dict[int, ModuleType]:
 
 def reference(order: int, s: float, tau: float, omega: float, epsilon: float) -> tuple[mpf, mpf]:
     """ξ_c and w/Z₀ at 50 digits from the engine over mpmath numbers: no closed form involved."""
-    from asymptotics import moving_frame, string
+    from asymptotics import moving_frame, string_problem
     from asymptotics.rings.ring import FloatRing
 
     class DigitRing(FloatRing):
@@ -60,7 +60,7 @@ def reference(order: int, s: float, tau: float, omega: float, epsilon: float) ->
             return element == 0
 
     s, tau, omega, epsilon = (mpf(float(x)) for x in (s, tau, omega, epsilon))
-    problem = string(DigitRing(), omega, lambda j: mpmath.cot(j * omega))
+    problem = string_problem(DigitRing(), omega, lambda j: mpmath.cot(j * omega))
     expansion = expand(problem, order)
     small = epsilon / mpmath.sin(omega)
 

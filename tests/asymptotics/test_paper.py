@@ -13,7 +13,7 @@ from asymptotics import ClosedForms, exact_string, expand
 from asymptotics.errors import InputError
 from asymptotics.formulas.closed_form import symbols
 from asymptotics.formulas.zero_test import are_equal, are_equal_through
-from asymptotics.paper.check import Comparison, compare
+from asymptotics.paper.check import PaperCheck, compare
 from asymptotics.paper.printed import PAPER, PaperFormula, printed
 
 NAMES = symbols()
@@ -114,7 +114,7 @@ def test_a_difference_reads_as_one(forms):
     assert str(compare(forms, [slip])[0]) == (
         "F_3 (eq. F3): DIFFERENT, compared identically in Omega and s"
     )
-    assert str(Comparison("F_1", "expandw", False, "s", 1)) == (
+    assert str(PaperCheck("F_1", "expandw", False, "s", 1)) == (
         "F_1 (eq. expandw): DIFFERENT through epsilon^1, compared identically in s"
     )
 

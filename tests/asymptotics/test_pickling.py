@@ -17,13 +17,21 @@ import numpy as np
 import pytest
 from flint import Ordering, acb, arb, fmpq_mpoly_ctx, fmpq_poly, fmpz_mpoly_ctx, fmpz_poly
 
-from asymptotics import ClosedForms, Expansion, exact_string, expand, moving_frame, prove, string
+from asymptotics import (
+    ClosedForms,
+    Expansion,
+    exact_string,
+    expand,
+    moving_frame,
+    prove,
+    string_problem,
+)
 from asymptotics import errors as all_errors
 from asymptotics.errors import InputError, ResonanceError, RopewaveError
 from asymptotics.expansion.proof import RefutedError
 from asymptotics.formulas.beam import contact_amplitude, expand_symbolic, impedances
 from asymptotics.formulas.linear_response import eliminate
-from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.beam import beam_problem, float_beam
 from asymptotics.problems.damped import damped_string, generator_damped_string
 from asymptotics.problems.enclosed import ball_damped_string, ball_string
 from asymptotics.problems.forcing import forced_string, fourier_drive
@@ -50,7 +58,7 @@ def ball_problems() -> list[Problem[Any]]:
             ball_string("pi/2 + 1e-9"),
             ball_damped_string("pi", "1e-9"),
             ball_damped_string("pi", "1e-9", drive={1: acb(1, 2) / 3}),
-            beam("0.01", "2.2", "clamped", balls()),
+            beam_problem("0.01", "2.2", "clamped", balls()),
         ]
 
 
@@ -60,12 +68,12 @@ PROBLEMS: list[Problem[Any]] = [
     forced_string(DRIVE, ORDER),
     damped_string(0.83, 0.1, drive={1: 0.5, 2: 0.25j}),
     float_beam(1e-8, 2.2, ORDER),
-    beam(np.array([0.01, 0.02]), 2.2),
-    beam("0.01", "2.2", "pinned", digits()),
+    beam_problem(np.array([0.01, 0.02]), 2.2),
+    beam_problem("0.01", "2.2", "pinned", digits()),
     generator_string([1, 2], ORDER + 1),
     generator_damped_string(ORDER + 1),
     expand_symbolic(ORDER + 1).problem,
-    string(LAURENT, LAURENT.omega, LAURENT.cot),
+    string_problem(LAURENT, LAURENT.omega, LAURENT.cot),
     *ball_problems(),
 ]
 

@@ -12,13 +12,21 @@ import numpy as np
 import pytest
 from flint import arb
 
-from asymptotics import Expansion, exact_string, expand, float_string, moving_frame, prove, string
+from asymptotics import (
+    Expansion,
+    exact_string,
+    expand,
+    float_string,
+    moving_frame,
+    prove,
+    string_problem,
+)
 from asymptotics.errors import InputError
 from asymptotics.expansion.enclosures import WIDEST, enclosures
 from asymptotics.expansion.images import MajorantRing, image_of_problem
 from asymptotics.expansion.proof import OrderProof, RefutedError, residuals
 from asymptotics.formulas.beam import expand_symbolic
-from asymptotics.problems.beam import beam, float_beam, static_beam
+from asymptotics.problems.beam import beam_problem, float_beam, static_beam
 from asymptotics.problems.damped import damped_string
 from asymptotics.problems.enclosed import ball_damped_string, ball_string
 from asymptotics.problems.forcing import forced_string, fourier_drive
@@ -210,12 +218,12 @@ def minus_cot(j: int) -> Any:
 
 TWICE = RING.rational(2) * RING.omega
 LETTERS = {
-    "minus cot": string(RING, RING.omega, minus_cot, name="string"),
-    "twice the frequency, the same cot": string(RING, TWICE, RING.cot, name="string"),
-    "the same frequency, cot of the double": string(
+    "minus cot": string_problem(RING, RING.omega, minus_cot, name="string"),
+    "twice the frequency, the same cot": string_problem(RING, TWICE, RING.cot, name="string"),
+    "the same frequency, cot of the double": string_problem(
         RING, RING.omega, lambda j: RING.cot(2 * j), name="string"
     ),
-    "tangent": string(RING, RING.omega, lambda j: RING.cot(j) + RING.one, name="string"),
+    "tangent": string_problem(RING, RING.omega, lambda j: RING.cot(j) + RING.one, name="string"),
 }
 
 
@@ -270,7 +278,7 @@ def test_the_enclosures_are_narrow_and_the_same_each_time(sixth: Expansion) -> N
     assert all(0 < point.radius <= WIDEST and point.holds for point in points)
     assert len({point.omega for point in points}) == len(points) == 3
     drive = {0: RING.rational(1, 3), 1: RING.rational(1, 2), 2: RING.rational(1, 4)}
-    two = expand(string(RING, RING.omega, RING.cot, name="two", drive=drive), 3)
+    two = expand(string_problem(RING, RING.omega, RING.cot, name="two", drive=drive), 3)
     assert prove(two).holds
     assert all(len(point.orders) == 3 for point in enclosures(two))
 
@@ -315,7 +323,7 @@ def test_the_certificate_says_what_the_proof_is_relative_to(sixth: Expansion) ->
 
 def in_numbers() -> dict[str, Expansion]:
     omegas = np.array([0.83, 2.2, 4.0])
-    array = string(FloatRing(), omegas, lambda j: 1 / np.tan(j * omegas))
+    array = string_problem(FloatRing(), omegas, lambda j: 1 / np.tan(j * omegas))
     return {
         "string": expand(float_string(2.2, 8), 8),
         "near a pole": expand(float_string(np.pi / 3 + 1e-7, 6), 6),
@@ -325,8 +333,8 @@ def in_numbers() -> dict[str, Expansion]:
         "thin layer": expand(float_beam(1e-6, 2.2, 4), 4),
         "thin clamped layer": expand(float_beam(5e-5, 2.2, 3, "clamped"), 3),
         "stiff": expand(float_beam(10.0, 0.5, 4), 4),
-        "complex": expand(beam(0.01, 2.2 + 0.1j), 3),
-        "digits": expand(beam(0.01, 2.2, numbers=digits()), 3),
+        "complex": expand(beam_problem(0.01, 2.2 + 0.1j), 3),
+        "digits": expand(beam_problem(0.01, 2.2, numbers=digits()), 3),
         "damped": expand(damped_string(3.14, 0.05), 5),
         "viscous": expand(damped_string(3.14, 0.05, 0.02), 5),
         "forced": expand(forced_string(fourier_drive([0.83], {1: 1.0, 0: 0.3}), 5), 5),
@@ -406,7 +414,7 @@ def test_each_condition_of_a_beams_driven_end_is_checked(condition: int) -> None
         refute(expansion, change, "inconsistent")
     with at_precision(128):
         for driven_end in ("pinned", "clamped"):
-            refute(expand(beam(0.01, 2.2, driven_end, balls()), 3), arb("1e-12"), "REFUTED")
+            refute(expand(beam_problem(0.01, 2.2, driven_end, balls()), 3), arb("1e-12"), "REFUTED")
     symbolic = expand_symbolic(3)
     refute(symbolic, symbolic.problem.ring.one, "REFUTED")
 
@@ -420,13 +428,13 @@ def test_each_condition_of_a_beams_static_shape_is_checked(
     """Another contact point, and the a₃ for which one of the conditions holds there."""
     right = static_beam(beta, driven_end)
     moved = replace(right, contact_point=right.contact_point * 1.01)
-    problem = beam(beta, 2.2, driven_end, static=moved)
+    problem = beam_problem(beta, 2.2, driven_end, static=moved)
     none, one = (
         problem.static_end_residual(lambda d, a3=a3: a3 if d == 3 else problem.static(d))[condition]
         for a3 in (0.0, 1.0)
     )
     shape = replace(moved, a3=none / (none - one))
-    wrong = replace(beam(beta, 2.2, driven_end, static=shape), balls=None)
+    wrong = replace(beam_problem(beta, 2.2, driven_end, static=shape), balls=None)
     proofs = refuted(expand(wrong, 2), "order 0: inconsistent")
     assert [faults(proof) for proof in proofs] == [{"driven_end"}, set(), set()]
 
@@ -479,7 +487,7 @@ def test_magnitudes_only_add_up() -> None:
 
 def test_digits_are_held_to_the_digits_they_have_and_doubles_to_theirs() -> None:
     with mpmath.workdps(50):
-        expansion = expand(beam("0.01", "2.2", numbers=digits()), 2)
+        expansion = expand(beam_problem("0.01", "2.2", numbers=digits()), 2)
         assert max(max(proof.sizes) for proof in prove(expansion)) < 1e-48
         contact = {j: c * (1 + mpmath.mpf(10) ** -30) for j, c in expansion.contact(2).items()}
         assert faults(refuted(changed(expansion, 2, contact=contact))[2]) == {"contact"}
@@ -500,7 +508,7 @@ def test_balls_contain_zero_and_say_how_wide_they_are() -> None:
         cases = [
             expand(ball_string("2.2"), 5),
             expand(ball_damped_string("2.2", "0.1"), 4),
-            expand(beam(0.01, 2.2, numbers=balls()), 3),
+            expand(beam_problem(0.01, 2.2, numbers=balls()), 3),
         ]
         for expansion in cases:
             proofs = prove(expansion)

@@ -14,7 +14,7 @@ import sympy
 from asymptotics import Expansion
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
-from asymptotics.problems.beam import beam
+from asymptotics.problems.beam import beam_problem
 from asymptotics.problems.beam_spectrum import linear_frequencies
 from asymptotics.problems.rope import Rope
 from asymptotics.resonances.rationals import (
@@ -166,7 +166,7 @@ def test_pole_of_order_q_first_appears_at_order_q(sixth: Expansion) -> None:
 def test_pole_of_the_beam_first_appears_at_order_q(p: int, q: int) -> None:
     """With bending too, 2/2 and 3/3 included: μ ξ_q,q tends to a constant, lower orders stay."""
     centre = float(linear_frequencies(0.01, p)[-1]) / q
-    solutions = [expand(beam(0.01, centre + mu), q) for mu in (1e-4, 1e-5)]
+    solutions = [expand(beam_problem(0.01, centre + mu), q) for mu in (1e-4, 1e-5)]
     first = [abs(s.contact(q)[q]) for s in solutions]
     assert math.log10(first[1] / first[0]) == pytest.approx(1.0, abs=0.01)
     for n in range(1, q):

@@ -16,7 +16,7 @@ from asymptotics.errors import InputError, OrderingError
 from asymptotics.expansion.order_loop import Expansion
 from asymptotics.formulas.beam import expand_symbolic
 from asymptotics.printing.beam_numpy import beam_numpy
-from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.beam import beam_problem, float_beam
 from asymptotics.problems.damped import damped_string
 from asymptotics.problems.problem import Problem, driven_string
 from asymptotics.rings.numbers import digits
@@ -126,7 +126,7 @@ def test_near_the_contact_a_beam_is_right_relative_to_its_own_size() -> None:
     """w ∼ −a₃ |s|³/6: nothing larger than w is subtracted on the way."""
     with mp.workdps(40):
         beta, omega = mpmath.mpf(0.01), mpmath.mpf(OMEGA)
-        exact = expand(beam(beta, omega, numbers=digits()), 3)
+        exact = expand(beam_problem(beta, omega, numbers=digits()), 3)
         reference = response(exact, phase, 2e-3, [-1e-6, -1e-3], [0.4]).profile
     found = response(expand(float_beam(0.01, OMEGA, 3), 3), phase, 2e-3, [-1e-6, -1e-3], [0.4])
     np.testing.assert_allclose(found.profile, reference, rtol=1e-12)
@@ -152,7 +152,7 @@ def test_what_has_no_numbers_is_refused() -> None:
     for solution in (expand(exact_string(), 2), expand_symbolic(2)):
         with pytest.raises(InputError, match="not over numbers at one frequency"):
             response(solution, phase, 0.01, [-0.5], [0.0])
-    swept = expand(beam(0.01, np.array([2.2, 2.3])), 2)
+    swept = expand(beam_problem(0.01, np.array([2.2, 2.3])), 2)
     with pytest.raises(InputError, match="at one frequency"):
         response(swept, phase, 0.01, [-0.5], [0.0])
     unknown = expand(replace(float_beam(0.01, OMEGA, 2), rest=None), 2)

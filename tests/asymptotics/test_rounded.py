@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 
-from asymptotics import Expansion, expand, float_string, moving_frame, string
+from asymptotics import Expansion, expand, float_string, moving_frame, string_problem
 from asymptotics.errors import InputError
 from asymptotics.expansion.rounded import RoundedExpansion
 from asymptotics.formulas.beam import contact_amplitude, expand_symbolic, impedances
-from asymptotics.problems.beam import beam, float_beam
+from asymptotics.problems.beam import beam_problem, float_beam
 from asymptotics.problems.damped import damped_string, generator_damped_string
 from asymptotics.problems.damped import generator_values as damped_values
 from asymptotics.problems.enclosed import ball_string
-from asymptotics.problems.forcing import Drive, forced_string, fourier_drive
+from asymptotics.problems.forcing import FourierDrive, forced_string, fourier_drive
 from asymptotics.problems.forcing_generators import generator_string
 from asymptotics.problems.forcing_generators import generator_values as forced_values
 from asymptotics.problems.problem import Problem, driven_string
@@ -65,11 +65,11 @@ def test_the_beam_at_any_stiffness(beta: float, driven_end: str) -> None:
     order = 7
     found = expand(float_beam(beta, 2.2, order, driven_end), order)
     with mpmath.workdps(300):
-        exact = expand(beam(beta, 2.2, driven_end, digits()), order)
+        exact = expand(beam_problem(beta, 2.2, driven_end, digits()), order)
         assert worst(found, exact) <= EPS
     assert all(isinstance(c, float) for c in found.contact(order).values())
     # The same by the default arithmetic of `beam`.
-    assert expand(beam(beta, 2.2, driven_end), 3).contact(3) == pytest.approx(
+    assert expand(beam_problem(beta, 2.2, driven_end), 3).contact(3) == pytest.approx(
         found.contact(3), rel=2 * EPS
     )
 
@@ -98,7 +98,9 @@ def test_the_string_near_resonances_and_at_high_order(omega: float, order: int) 
     found = expand(float_string(omega, order), order)
     with mpmath.workdps(600):
         ring, exact_omega = NumberRing(mpmath.mpf), mpmath.mpf(omega)
-        exact = expand(string(ring, exact_omega, lambda j: mpmath.cot(j * exact_omega)), order)
+        exact = expand(
+            string_problem(ring, exact_omega, lambda j: mpmath.cot(j * exact_omega)), order
+        )
         assert worst(found, exact) <= EPS
 
 
@@ -146,7 +148,7 @@ def test_the_damped_string(omega: float, damping: float, viscosity: float) -> No
         fourier_drive([0.8], {1: 1.0}, {1: 0.25, 2: 0.5}),
     ],
 )
-def test_the_forced_string(drive: Drive) -> None:
+def test_the_forced_string(drive: FourierDrive) -> None:
     order = 5
     found = expand(forced_string(drive, order), order)
     with mpmath.workdps(200):
@@ -230,9 +232,9 @@ def test_an_expansion_is_continued_from_its_balls() -> None:
 @pytest.mark.parametrize(
     ("first", "second"),
     [
-        (beam(0.01, 2.2), beam(0.02, 2.2)),
-        (beam(0.01, 2.2), beam(0.01, 2.3)),
-        (beam(np.array([0.01, 0.02]), 2.2), beam(np.array([0.01, 0.03]), 2.2)),
+        (beam_problem(0.01, 2.2), beam_problem(0.02, 2.2)),
+        (beam_problem(0.01, 2.2), beam_problem(0.01, 2.3)),
+        (beam_problem(np.array([0.01, 0.02]), 2.2), beam_problem(np.array([0.01, 0.03]), 2.2)),
         (damped_string(1.0, 0.1), damped_string(1.0, 0.1, drive={1: 0.25})),
     ],
 )
@@ -258,11 +260,11 @@ def test_beyond_the_range_of_doubles() -> None:
     # Below it a number is 0: k/sin k at k = 1e4 (1 + i).
     assert set(expand(damped_string(50.0, 1e7), 1).contact(1).values()) == {0}
     with mpmath.workdps(400):
-        exact = expand(beam("1e300", 2.2, "pinned", digits()), 3)
+        exact = expand(beam_problem("1e300", 2.2, "pinned", digits()), 3)
         found = expand(float_beam(1e300, 2.2, 3), 3)
         assert found.contact(3)[1] == pytest.approx(float(exact.contact(3)[1]), rel=1e-12)
     with at_precision(64), pytest.raises(PrecisionError, match="64 bits are too few"):
-        beam(1e300, 2.2, "pinned", balls())
+        beam_problem(1e300, 2.2, "pinned", balls())
 
 
 def test_polynomials_in_impedances() -> None:

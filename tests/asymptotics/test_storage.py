@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from asymptotics import Expansion, exact_string, expand, float_string, prove, string
+from asymptotics import Expansion, exact_string, expand, float_string, prove, string_problem
 from asymptotics.errors import DamagedFileError, ForeignFileError, InputError, StorageError
 from asymptotics.expansion.proof import RefutedError
 from asymptotics.expansion.saved_orders import largest_size, order_to
@@ -126,7 +126,7 @@ def test_another_problem_of_the_same_name_is_refused(tmp_path: Path) -> None:
     saved_expansion(exact_string(), 2, tmp_path)
     ring = CotangentRing()
     drive = {1: ring.rational(1, 3)}
-    other = string(ring, ring.omega, ring.cot, name="string", drive=drive)
+    other = string_problem(ring, ring.omega, ring.cot, name="string", drive=drive)
     with pytest.raises(DamagedFileError, match=r"order-0001.json.gz is damaged: its numbers"):
         saved_expansion(other, 2, tmp_path)
 
@@ -493,7 +493,7 @@ def test_sizes_have_room_for_what_is_derived() -> None:
     """The largest orders known are a third of what is let through; two harmonics too."""
     ring = CotangentRing()
     drive = {1: ring.rational(1, 2), 2: ring.rational(1, 3)}
-    two = expand(string(ring, ring.omega, ring.cot, name="two", drive=drive), 5)
+    two = expand(string_problem(ring, ring.omega, ring.cot, name="two", drive=drive), 5)
     for expansion, per_order in ((two, 2), (expand(exact_string(), 10), 1)):
         for n, order in enumerate(expansion.orders, start=1):
             size = len(json.dumps(order_to(order), separators=(",", ":"))) + 400

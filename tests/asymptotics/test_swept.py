@@ -18,9 +18,9 @@ from asymptotics import expand, moving_frame, prove
 from asymptotics.expansion.proof import RefutedError
 from asymptotics.expansion.swept import SweptExpansion
 from asymptotics.formulas.beam import expand_symbolic, impedances
-from asymptotics.problems.beam import beam
+from asymptotics.problems.beam import beam_problem
 from asymptotics.problems.beam_spectrum import linear_frequencies
-from asymptotics.problems.problem import RESOLUTION, string
+from asymptotics.problems.problem import RESOLUTION, string_problem
 from asymptotics.problems.static_shape import DRIVEN_ENDS
 from asymptotics.rings.bounded import Bounded, BoundedRing, bounded
 from asymptotics.rings.numbers import digits
@@ -33,7 +33,9 @@ OMEGAS = np.array([0.83, 2.2, 3.0, 5.1])
 
 def exact(beta: float, omega: Any, order: int, driven_end: str) -> Any:
     with mpmath.workdps(80):
-        return expand(beam(mpmath.mpf(beta), mpmath.mpmathify(omega), driven_end, digits()), order)
+        return expand(
+            beam_problem(mpmath.mpf(beta), mpmath.mpmathify(omega), driven_end, digits()), order
+        )
 
 
 def distance(double: float, number: Any) -> float:
@@ -43,7 +45,7 @@ def distance(double: float, number: Any) -> float:
 
 @pytest.mark.parametrize("driven_end", DRIVEN_ENDS)
 def test_every_bound_holds_and_none_is_empty(driven_end: str) -> None:
-    found = expand(beam(BETAS, OMEGAS, driven_end), ORDER)
+    found = expand(beam_problem(BETAS, OMEGAS, driven_end), ORDER)
     assert isinstance(found, SweptExpansion)
     easy = 0
     for index in np.ndindex(4, 4):
@@ -64,7 +66,7 @@ def test_every_bound_holds_and_none_is_empty(driven_end: str) -> None:
 
 def test_a_point_next_to_a_resonance_has_all_digits_and_its_neighbours_are_left() -> None:
     near = float(linear_frequencies(0.01, 1)[0]) / 2 * (1 + 1e-12)
-    found = expand(beam(0.01, np.array([2.2, near])), 2)
+    found = expand(beam_problem(0.01, np.array([2.2, near])), 2)
     assert isinstance(found, SweptExpansion)
     assert sorted(found.points) == [1]
     wanted = exact(0.01, near, 2, "pinned").contact(2)[2]
@@ -73,10 +75,10 @@ def test_a_point_next_to_a_resonance_has_all_digits_and_its_neighbours_are_left(
 
 def test_complex_frequencies_one_by_one_and_as_an_array() -> None:
     omegas = np.array([2.2 + 0.1j, 1.3 - 0.02j])
-    found = expand(beam(1e-4, omegas), 4)
+    found = expand(beam_problem(1e-4, omegas), 4)
     assert isinstance(found, SweptExpansion)
     for i, omega in enumerate(omegas):
-        single = expand(beam(1e-4, complex(omega)), 4)
+        single = expand(beam_problem(1e-4, complex(omega)), 4)
         wanted = exact(1e-4, complex(omega), 4, "pinned")
         for n in range(1, 5):
             for j, c in wanted.contact(n).items():
@@ -86,7 +88,7 @@ def test_complex_frequencies_one_by_one_and_as_an_array() -> None:
 
 
 def test_a_sweep_is_continued_as_if_it_had_been_made_at_once() -> None:
-    problem = beam(np.array([0.01, 1e-6]), 2.2)
+    problem = beam_problem(np.array([0.01, 1e-6]), 2.2)
     short = expand(problem, 2)
     longer, once = expand(problem, 5, start=short), expand(problem, 5)
     assert longer.order == 5
@@ -99,9 +101,9 @@ def test_a_sweep_is_continued_as_if_it_had_been_made_at_once() -> None:
 
 def test_the_moving_frame_of_a_sweep_is_that_of_its_points() -> None:
     betas = np.array([0.01, 1e-7])
-    frame = moving_frame(expand(beam(betas, 2.2), 4))
+    frame = moving_frame(expand(beam_problem(betas, 2.2), 4))
     for i, beta in enumerate(betas):
-        single = moving_frame(expand(beam(float(beta), 2.2), 4))
+        single = moving_frame(expand(beam_problem(float(beta), 2.2), 4))
         for k, rows in single.modes.items():
             for mine, series in zip(frame.modes[k], rows, strict=True):
                 for n, harmonics in enumerate(series):
@@ -111,7 +113,7 @@ def test_the_moving_frame_of_a_sweep_is_that_of_its_points() -> None:
 
 
 def test_somebody_else_s_numbers_are_not_taken_for_the_sweep_s() -> None:
-    solution = expand(beam(np.array([0.01, 1e-6]), 2.2), 3)
+    solution = expand(beam_problem(np.array([0.01, 1e-6]), 2.2), 3)
     assert isinstance(solution, SweptExpansion)
     assert solution.is_swept()
     assert prove(solution).holds
@@ -142,11 +144,11 @@ def test_the_string_over_bounded_doubles() -> None:
     def cot(j: int) -> Bounded:
         return kind.cos(j * Bounded(omegas)) / kind.sin(j * Bounded(omegas))
 
-    found = expand(string(BoundedRing(), Bounded(omegas), cot), 6)
+    found = expand(string_problem(BoundedRing(), Bounded(omegas), cot), 6)
     for i, omega in enumerate(omegas):
         with mpmath.workdps(60):
             x = mpmath.mpf(float(omega))
-            problem = string(digits().ring, x, lambda j, x=x: mpmath.cot(j * x))
+            problem = string_problem(digits().ring, x, lambda j, x=x: mpmath.cot(j * x))
             wanted = expand(problem, 6).contact(6)
         for j, c in wanted.items():
             value, error = (

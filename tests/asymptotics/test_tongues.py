@@ -15,7 +15,7 @@ from asymptotics import Expansion
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
 from asymptotics.formulas.normal_form import cotangent_terms
-from asymptotics.problems.problem import string
+from asymptotics.problems.problem import string_problem
 from asymptotics.resonances.pendulum import coefficient
 from asymptotics.resonances.singular_part import (
     amplitudes,
@@ -187,7 +187,9 @@ def test_small_finite_mu(p: int, q: int, n: int) -> None:
         for mu in (mpmath.mpf(10) ** -12, mpmath.mpf(10) ** -12 / 2):
             omega = p * mpmath.pi / q + mu
             ring = BigRing()
-            solution = expand(string(ring, omega, lambda j, x=omega: mpmath.cot(j * x)), q * n)
+            solution = expand(
+                string_problem(ring, omega, lambda j, x=omega: mpmath.cot(j * x)), q * n
+            )
             worst = mpmath.mpf(0)
             for j, c in solution.contact(q * n).items():
                 found = (2 if j else 1) * c / mpmath.sin(omega) ** (q * n) * mu ** (2 * n - 1)

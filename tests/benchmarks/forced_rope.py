@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asymptotics import Expansion, expand
-from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam import beam_problem, static_beam
 
 Array = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def rms(values: Array) -> float:
 
 @cache
 def expansion() -> Expansion[Any]:
-    return expand(beam(BETA, OMEGA), ORDER)
+    return expand(beam_problem(BETA, OMEGA), ORDER)
 
 
 def contact_series(tau: Any, order: int = ORDER) -> Array:

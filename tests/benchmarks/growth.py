@@ -18,7 +18,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asymptotics import ClosedForms, Expansion, exact_string, expand, moving_frame, prove, string
+from asymptotics import (
+    ClosedForms,
+    Expansion,
+    exact_string,
+    expand,
+    moving_frame,
+    prove,
+    string_problem,
+)
 from asymptotics.formulas.normal_form import _cotangent_form, cotangent_form
 from derivations.reports.formats import render
 
@@ -107,7 +115,7 @@ def raw_lengths(highest: int) -> list[int]:
     from tests.benchmarks.rings import PolynomialRing
 
     ring = PolynomialRing(highest)
-    raw = expand(string(ring, ring.omega, ring.cot), highest)
+    raw = expand(string_problem(ring, ring.omega, ring.cot), highest)
     return [
         sum(ring.length(element) for element in raw.contact(n).values())
         for n in range(1, highest + 1)

@@ -22,7 +22,7 @@ import flint
 from sympy.core.cache import clear_cache
 from sympy.external.gmpy import GROUND_TYPES
 
-from asymptotics import Expansion, exact_string, expand, float_string, string
+from asymptotics import Expansion, exact_string, expand, float_string, string_problem
 from asymptotics.rings import cotangent
 
 OMEGA = 0.83
@@ -37,21 +37,21 @@ def sympy_expressions(order: int) -> Expansion[Any]:
     from tests.benchmarks.rings import SympyRing
 
     ring = SympyRing(order)
-    return expand(string(ring, ring.omega, ring.cot), order)
+    return expand(string_problem(ring, ring.omega, ring.cot), order)
 
 
 def symengine_expressions(order: int) -> Expansion[Any]:
     from tests.benchmarks.rings import SymengineRing
 
     ring = SymengineRing(order)
-    return expand(string(ring, ring.omega, ring.cot), order)
+    return expand(string_problem(ring, ring.omega, ring.cot), order)
 
 
 def sympy_polynomials(order: int) -> Expansion[Any]:
     from tests.benchmarks.rings import PolynomialRing
 
     ring = PolynomialRing(order)
-    return expand(string(ring, ring.omega, ring.cot), order)
+    return expand(string_problem(ring, ring.omega, ring.cot), order)
 
 
 def textbook_route(order: int) -> tuple[Any, dict[tuple[int, int], Any]]:

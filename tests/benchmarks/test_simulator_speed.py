@@ -25,7 +25,7 @@ from numerics.simulation.observables import Column
 from numerics.simulation.penalty import penalty_ground, solve
 from numerics.simulation.run import simulate
 from numerics.simulation.semi_discrete import Grid
-from numerics.simulation.trapezoidal import factor, revise, sweep
+from numerics.simulation.trapezoidal import factor, revise, substituted
 
 OMEGA, EPSILON, BETA, DX = 2.5, 0.05, 0.01, 0.01
 PERIODS = 1
@@ -86,7 +86,7 @@ def test_a_step_while_waves_are_shed(benchmark):
 
     def whole_round() -> None:
         factor(bands, active, 0, n, factors)
-        sweep(factors, right, active, 0, 0, n, y, x)
+        substituted(factors, right, active, 0, 0, n, y, x)
         revise(bands, right, system.obstacle, 0, n, np.inf, False, x, active.copy(), changed, 0)
 
     def steps() -> tuple[float, float]:

@@ -12,7 +12,7 @@ from numerics.simulation.trapezoidal import (
     factor,
     multiplier,
     revise,
-    sweep,
+    substituted,
 )
 from tests.numerics.by_hand import EPS
 
@@ -165,7 +165,7 @@ def whole_rounds(bands, right, obstacle, active) -> tuple[np.ndarray, np.ndarray
     while count:
         rounds += 1
         factor(bands, held, 0, n, factors)
-        sweep(factors, right, held, 0, 0, n, y, x)
+        substituted(factors, right, held, 0, 0, n, y, x)
         slack = 64 * EPS * bands[0, 0] * np.abs(x).max()
         count, least = revise(
             bands, right, obstacle, 0, n, slack, rounds > ROUNDS, x, held, changed, 0

@@ -19,7 +19,7 @@ import pytest
 from mpmath import mpf
 
 from asymptotics import Expansion, expand
-from asymptotics.problems.beam import beam, static_beam
+from asymptotics.problems.beam import beam_problem, static_beam
 from asymptotics.problems.static_shape import DRIVEN_ENDS
 from asymptotics.rings.numbers import digits
 
@@ -76,7 +76,7 @@ def harmonic(j: int, start: tuple[mpf, ...]) -> Shape:
 @functools.cache
 def solution(driven_end: str) -> Expansion[mpf]:
     with mpmath.workdps(DIGITS):
-        return expand(beam(BETA, OMEGA, driven_end, digits()), ORDER)
+        return expand(beam_problem(BETA, OMEGA, driven_end, digits()), ORDER)
 
 
 def largest_residual(series: Expansion[mpf], driven_end: str, order: int, e: int) -> list[mpf]:
