@@ -26,7 +26,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion.certificates import Proof
 from asymptotics.expansion.order_loop import Expansion, Progress, expand
 from asymptotics.expansion.proof import prove
-from asymptotics.problems.generators import Generators, generator_rope, values_of
+from asymptotics.problems.generators import Generator, Generators, generator_rope, values_of
 from asymptotics.problems.moving_contact import MovingContact
 
 
@@ -86,6 +86,33 @@ class RopeForms:
         """
         return prove(self.expansion, progress=progress)
 
+    def closed_contact(self, n: int, j: int) -> sympy.Expr:
+        """The coefficient of ε^n e^{ijΩτ} in ξ_c in closed form; its real part counts for j > 0.
+
+        In the parameters, Ω and ξ₀, for an equation of second order with W given at the driven end.
+
+        Raises
+        ------
+        InputError
+            Another equation, or coefficients that vary.
+
+        Examples
+        --------
+        >>> from asymptotics.problems.presets import string
+        >>> rope_forms(string(foundation=sympy.Symbol("kappa")), 1).closed_contact(1, 1)
+        sqrt(Omega**2 - kappa)/(2*sin(xi_0*sqrt(Omega**2 - kappa)))
+        """
+        closed = _SecondOrder(self.rope)
+        total = sympy.Integer(0)
+        kinds = {g.name: g for g in self.generators.listed()}
+        for powers, coefficient in self.contact(n, j).terms():
+            term = sympy.Rational(int(coefficient.p), int(coefficient.q))
+            for name, power in zip(kinds, powers, strict=True):
+                if power:
+                    term *= closed.value(kinds[name]) ** int(power)
+            total += term
+        return total / closed.static(2) ** n
+
     def values(self, at: Mapping[Any, Any]) -> dict[str, Any]:
         """The generators' values, and a_m as ``a_m``, at values of the rope's parameters.
 
@@ -107,6 +134,64 @@ class RopeForms:
         """
         problem = self.rope.at(at)
         return {**values_of(problem, self.generators), "a_m": 1 / problem.inverse_leading}
+
+
+class _SecondOrder:
+    """The generators of c_2 W″ + c_1 W′ + c_0 W = ℓ with W = d at the driven end.
+
+    With 2c₂μ = c₁ and k² = c₀/c₂ − μ²: Y₁ = k cot kξ₀ − μ, S₁ = −d k e^{−μξ₀}/sin kξ₀, and their
+    limits where k = 0.
+    """
+
+    def __init__(self, rope: MovingContact) -> None:
+        ends = [set(condition.terms) for condition in rope.driven_end]
+        if rope.order != 2 or rope.contact_order != 2 or rope.varying or ends != [{(0, 0)}]:
+            raise InputError(
+                f"{rope}: closed forms are of equations of second order with constant coefficients "
+                "and W given at the driven end; of others the impedances have numbers"
+            )
+        self.rope = rope
+        self.place = sympy.Symbol("xi_0")
+
+    def rates(self, j: int) -> list[sympy.Expr]:
+        """c_0, c_1, c_2 at harmonic j, or its conjugate −j."""
+        rate = sympy.I * j * sympy.Symbol("Omega")
+        found = [sympy.Integer(0)] * 3
+        for (k, t), c in self.rope.equation.terms.items():
+            found[k] += c * rate**t
+        return [sympy.expand(c) for c in found]
+
+    def static(self, d: int) -> sympy.Expr:
+        """a_d, from ℓ at ξ₀."""
+        c0, c1, c2 = self.rates(0)
+        xi, load = self.rope.letters.xi, self.rope.equation.right
+        tower = [sympy.Integer(0), sympy.Integer(0)]
+        while len(tower) <= d:
+            pull = load.diff(xi, len(tower) - 2).subs(xi, self.place)
+            tower.append((pull - c1 * tower[-1] - c0 * tower[-2]) / c2)
+        return tower[d]
+
+    def value(self, generator: Generator) -> sympy.Expr:
+        """The generator's expression."""
+        if generator.kind == "static":
+            return self.static(generator.derivative) / self.static(2)
+        j = -generator.harmonic if generator.conjugate else generator.harmonic
+        c0, c1, c2 = self.rates(j)
+        mu = c1 / (2 * c2)
+        square = sympy.expand(sympy.cancel(c0 / c2 - mu**2))
+        k = sympy.sqrt(square)
+        angle = k * self.place
+        if generator.kind == "impedance":
+            slope = (1 / self.place if square == 0 else k * sympy.cot(angle)) - mu
+            tower = [sympy.Integer(1), slope]
+        else:
+            (condition,) = self.rope.driven_end
+            amplitude = condition.drive.get(j, 0) / condition.terms[0, 0] * (2 if j else 1)
+            falling = 1 / self.place if square == 0 else k / sympy.sin(angle)
+            tower = [sympy.Integer(0), -amplitude * sympy.exp(-mu * self.place) * falling]
+        while len(tower) <= generator.derivative:
+            tower.append(-(c1 * tower[-1] + c0 * tower[-2]) / c2)
+        return tower[generator.derivative]
 
 
 def rope_forms(rope: MovingContact, order: int, progress: Progress | None = None) -> RopeForms:

@@ -3,8 +3,8 @@ r"""Closed forms as trees of LaTeX: prefactors, brackets, and the summands insid
 A formula is a sum of amplitudes from the exact ring times functions of the coordinates. Each
 amplitude becomes a :class:`LatexCoefficient`, read from its normal form in either style; the sum
 becomes a tree of :class:`asymptotics.printing.widths.Term`, which that module cuts into lines.
-Common rational factors and powers of Ω are pulled out of every bracket, so that all numbers inside are
-coprime integers, except where that would make them large.
+Common rational factors and powers of Ω are pulled out of every bracket, so that all numbers inside
+are coprime integers, except where that would make them large.
 
 =======================  ==================================================  ==================
 :func:`contact_tree`     ξ̂_n(τ)                                              eq. (expand)

@@ -30,13 +30,11 @@ from typing import TYPE_CHECKING, Any
 
 from flint import acb
 
-from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.problems.enclosed import ball_damped_string
-from asymptotics.problems.forcing import excited
 from asymptotics.problems.problem import Problem, check_frequency, driven_string
 from asymptotics.rings.pickling import remembering
-from asymptotics.rings.ring import ComplexRing, GeneratorRing
+from asymptotics.rings.ring import ComplexRing
 
 if TYPE_CHECKING:
     pass
@@ -149,74 +147,3 @@ def _coefficient(name: str, value: Any) -> float:
     if not (math.isfinite(number) and number >= 0):
         raise InputError(f"{name} = {value!r}; give a finite number ≥ 0")
     return number
-
-
-@remembering
-def generator_damped_string(order: int) -> Problem[Any]:
-    r"""The viscously damped string (η = 0, ΔZ = cos Ωτ), exact, in its impedances.
-
-    Over ℚ[a, b, y_j, ȳ_j, g, ḡ] with a = Ω², b = 2iζΩ (b̄ = −b), so that k_j² = j²a − jb;
-    y_j = k_j cot k_j; g = k_1/sin k_1. A name with ``_`` is the conjugate.
-
-    Examples
-    --------
-    >>> from asymptotics import expand
-    >>> solution = expand(generator_damped_string(2), 2)
-    >>> solution.contact(1), solution.contact(2)
-    ({1: 1/4*g}, {0: -1/16*g*g_, 2: -1/32*y2*g^2})
-    """
-    order = check_order(order)
-    indices = [j for j in excited([1], order) if j]
-    paired = [f"y{j}" for j in indices] + ["g"]
-    names = ["a", "b"] + [name + mark for name in paired for mark in ("", "_")]
-    conjugates = {"b": (-1, "b")}
-    for name in paired:
-        conjugates |= {name: (1, name + "_"), name + "_": (1, name)}
-    ring = GeneratorRing(names, conjugates)
-
-    def stiffness(j: int) -> Any:
-        return ring.rational(j * j) * ring["a"] - ring.rational(j) * ring["b"]
-
-    return driven_string(
-        "damped string",
-        ring,
-        stiffness=stiffness,
-        impedance=lambda j: ring[f"y{j}"],
-        source=lambda j: ring["g"],
-        drive={1: ring.rational(1, 2)},
-        # −(jΩ)² w + 2iζjΩ w = w″
-        equation_residual=lambda j, w: (
-            w[2] + ring.rational(j * j) * ring["a"] * w[0] - ring.rational(j) * ring["b"] * w[0]
-        ),
-        # W(0) k/sin k.
-        end_residual=lambda j, w: ring[f"y{j}"] * w[0] - w[1],
-        end_unit=lambda j: ring["g"],
-    )
-
-
-def generator_values(
-    omega: float, damping: float, order: int, enclosed: bool = False
-) -> dict[str, Any]:
-    """Numbers for the generators of :func:`generator_damped_string`.
-
-    In doubles; or, ``enclosed``, balls in the precision of the moment, over which
-    :meth:`~asymptotics.rings.ring.GeneratorRing.evaluate` bounds its own error.
-
-    >>> values = generator_values(2.0, 0.1, 1)
-    >>> values["a"], values["b"]
-    ((4+0j), 0.4j)
-    """
-    if enclosed:
-        problem = ball_damped_string(omega, damping)
-        rate, zeta = acb(omega), acb(damping)
-        values: dict[str, Any] = {"a": rate * rate, "b": 2 * zeta * rate * acb(0, 1)}
-        values["g"] = -problem.mode(1).source[1]
-        slopes = {j: problem.mode(j).impedance[0][1] for j in excited([1], order)}
-    else:
-        values = {"a": complex(omega * omega), "b": complex(0, 2 * damping * omega)}
-        values["g"] = source(wavenumber(1, omega, damping))
-        slopes = {j: impedance(wavenumber(j, omega, damping)) for j in excited([1], order) if j}
-    values |= {f"y{j}": slope for j, slope in slopes.items() if j}
-    return values | {
-        name + "_": value.conjugate() for name, value in values.items() if name not in "ab"
-    }

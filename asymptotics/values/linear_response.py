@@ -20,6 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asymptotics.errors import InputError, ResonanceError
+from asymptotics.expansion.order_loop import expand
+from asymptotics.problems.damped import damped_string
 from asymptotics.problems.problem import LARGEST_PHASE, RESOLUTION
 
 # Beyond, doubles cannot tell a resonance from its neighbours: the bound of check_frequency.
@@ -237,3 +239,21 @@ def _real(name: str, values: Any) -> NDArray[np.float64]:
     if array.dtype.kind == "c":
         raise InputError(f"{name} is complex; give real times")
     return array
+
+
+def damped_response(omega: float, damping: float, viscosity: float = 0.0) -> complex:
+    """X with ξ₁ = Re X e^{iΩτ} for ΔZ = cos Ωτ: X = k_1/(2 sin k_1), finite at every Ω.
+
+    Raises
+    ------
+    InputError
+        As :func:`asymptotics.problems.damped.damped_string`.
+
+    Examples
+    --------
+    >>> import math
+    >>> round(abs(damped_response(math.pi, 0.01)) * 0.01, 4)       # π/2
+    1.5708
+    """
+    first: complex = expand(damped_string(omega, damping, viscosity), 1).contact(1)[1]
+    return 2 * first

@@ -7,21 +7,20 @@ import math
 
 import numpy as np
 import pytest
+import sympy
 
 from asymptotics import Expansion, expand, moving_frame, prove
 from asymptotics.errors import InputError
 from asymptotics.expansion.proof import RefutedError, residuals
-from asymptotics.formulas.damped import contact_harmonic, linear_response
-from asymptotics.problems.damped import (
-    damped_string,
-    generator_damped_string,
-    generator_values,
-    impedance,
-    source,
-    wavenumber,
-)
+from asymptotics.formulas.rope import rope_forms
+from asymptotics.problems.damped import damped_string, impedance, source, wavenumber
 from asymptotics.problems.forcing import forced_string, fourier_drive
+from asymptotics.problems.generators import Generators, generator_rope, values_of
+from asymptotics.problems.moving_contact import moving_contact
+from asymptotics.problems.presets import beam, string
+from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 from asymptotics.rings.ring import ComplexRing
+from asymptotics.values.linear_response import damped_response as linear_response
 from asymptotics.values.response import response
 
 EPS = 2.0**-52
@@ -53,25 +52,29 @@ def test_residuals_are_roundings(omega: float, damping: float, viscosity: float)
         assert abs(solution.contact(n)[n].imag) > 0
 
 
-def test_generators_prove_themselves_and_equal_the_numbers() -> None:
-    exact = expand(generator_damped_string(ORDER), ORDER)
-    proofs = prove(exact)
-    assert all(proof.holds for proof in proofs)
+def test_impedances_as_generators_equal_the_numbers() -> None:
+    """The preset's formulas, evaluated where this problem has its numbers; resonances included."""
+    forms = rope_forms(string(damping=sympy.Symbol("zeta")), ORDER)
+    proofs = forms.prove()
     assert [len(proof.harmonics) for proof in proofs] == [1, 1, 2, 2, 3, 3]
     for omega, damping in ((0.83, 0.1), (math.pi, 0.05), (7.5, 4.0)):
-        values = generator_values(omega, damping, ORDER)
-        numbers = expand(damped_string(omega, damping), ORDER)
-        for n in range(1, ORDER + 1):
-            for j, element in exact.contact(n).items():
-                found = exact.problem.ring.evaluate(element, values, ComplexRing())
-                difference = abs(found - numbers.contact(n)[j])
-                assert difference <= ORDER**3 * EPS * size(numbers, n)
+        problem = damped_string(omega, damping)
+        values, numbers = values_of(problem, forms.generators), expand(problem, ORDER)
+        for n, j in forms.places():
+            element = forms.expansion.contact(n)[j]
+            found = forms.expansion.problem.ring.evaluate(element, values, ComplexRing())
+            difference = abs(found * problem.inverse_leading**n - numbers.contact(n)[j])
+            assert difference <= ORDER**3 * EPS * size(numbers, n)
+
+
+def complex_generators() -> Expansion:
+    return expand(generator_rope(Generators(2, (1,), 3, False)), 3)
 
 
 def test_a_wrong_shape_is_refuted() -> None:
-    exact = expand(generator_damped_string(3), 3)
-    value, slope = exact.orders[2].shape[1]
-    exact.orders[2].shape[1] = (value, slope + exact.problem.ring["a"])
+    exact = complex_generators()
+    value, slope, *rest = exact.orders[2].shape[1]
+    exact.orders[2].shape[1] = (value, slope + exact.problem.ring["S1_1"], *rest)
     with pytest.raises(RefutedError) as caught:
         prove(exact)
     assert not caught.value.proofs[3].driven_end
@@ -79,8 +82,8 @@ def test_a_wrong_shape_is_refuted() -> None:
 
 
 def test_a_wrong_conjugate_is_refuted() -> None:
-    """The moving frame sees complex wavenumbers on both sides; one side alone is no solution."""
-    exact = expand(generator_damped_string(3), 3)
+    """The moving frame sees complex harmonics on both sides; one side alone is no solution."""
+    exact = complex_generators()
     contact = exact.orders[2].contact
     contact[1] = exact.problem.ring.conjugate(contact[1])
     with pytest.raises(RefutedError) as caught:
@@ -130,27 +133,53 @@ def test_closed_forms_through_the_second_order() -> None:
 
     (At order 2, w₂(1) = ξ₁² and w₂′(1) = −2ξ₂, for w₁ vanishes at ξ = 1 with all even derivatives.)
     """
-    import sympy
-
-    omega, zeta = sympy.symbols("Omega zeta", positive=True)
+    omega, zeta, place = sympy.symbols("Omega zeta xi_0")
     k = [sympy.sqrt(j**2 * omega**2 - 2 * sympy.I * j * zeta * omega) for j in (1, 2)]
     g, conjugate = k[0] / sympy.sin(k[0]), k[0].subs(sympy.I, -sympy.I)
-    exact = expand(generator_damped_string(3), 3)
+    forms = rope_forms(string(damping=zeta), 3)
     expected = {
-        (1, 1): g / 4,
+        (1, 1): g / 2,
         (2, 0): -g * conjugate / sympy.sin(conjugate) / 16,
-        (2, 2): -k[1] * sympy.cot(k[1]) * g**2 / 32,
+        (2, 2): -k[1] * sympy.cot(k[1]) * g**2 / 16,
     }
-    point = {omega: sympy.Rational(83, 100), zeta: sympy.Rational(1, 10)}
+    point = {omega: sympy.Rational(83, 100), zeta: sympy.Rational(1, 10), place: sympy.Integer(1)}
     numbers = expand(damped_string(0.83, 0.1), 3)
     for (n, j), formula in expected.items():
-        found = contact_harmonic(exact, n, j)
+        found = forms.closed_contact(n, j)
+        direct = numbers.contact(n)[j] * (2 if j else 1)
         assert abs((found - formula).evalf(30, subs=point)) < 1e-25
-        assert abs(complex(found.evalf(20, subs=point)) - numbers.contact(n)[j]) < 64 * EPS
-        assert abs(numbers.contact(n)[j]) > 1e-3
-    third = complex(contact_harmonic(exact, 3, 3).evalf(20, subs=point))
-    assert abs(third - numbers.contact(3)[3]) < 64 * EPS
-    assert contact_harmonic(exact, 2, 1) == 0
+        assert abs(complex(found.evalf(20, subs=point)) - direct) < 64 * EPS
+        assert abs(direct) > 1e-3
+    third = complex(forms.closed_contact(3, 3).evalf(20, subs=point))
+    assert abs(third - 2 * numbers.contact(3)[3]) < 64 * EPS
+    assert forms.closed_contact(2, 1) == 0
+
+
+def test_closed_forms_of_every_second_order_rope() -> None:
+    """A travelling damped rope on a foundation, its load growing along it, two harmonics."""
+    v, zeta, kappa = sympy.symbols("v zeta kappa")
+    rope = moving_contact(
+        equation=sympy.Eq(
+            W.diff(tau, 2) + 2 * v * W.diff(xi, tau) + 2 * zeta * W.diff(tau),
+            (1 - v**2) * W.diff(xi, 2) - zeta * W.diff(xi) - 2 - xi / 5 - kappa * W,
+        ),
+        driven_end=[
+            sympy.Eq(
+                2 * W, 2 + epsilon * sympy.cos(Omega * tau) + epsilon * sympy.sin(2 * Omega * tau)
+            )
+        ],
+        contact=[W, W.diff(xi)],
+    )
+    at = {"v": 0.3, "zeta": 0.1, "kappa": 0.7, "Omega": 1.3}
+    series, forms = expand(rope, 3, at=at), rope_forms(rope, 3)
+    point = {sympy.Symbol(name): sympy.Rational(str(x)) for name, x in at.items()}
+    point[sympy.Symbol("xi_0")] = sympy.Float(complex(series.problem.rest or 0).real, 17)
+    for n, j in forms.places():
+        direct = series.contact(n)[j] * (2 if j else 1)
+        found = complex(forms.closed_contact(n, j).evalf(20, subs=point))
+        assert abs(found - direct) < 1e-11 * max(1.0, abs(direct))
+    with pytest.raises(InputError, match="second order"):
+        rope_forms(beam(), 1).closed_contact(1, 1)
 
 
 # -- a second method: the full nonlinear problem by collocation ------------------------------------
@@ -217,15 +246,15 @@ def test_the_full_problem_is_met_to_the_order_kept(
     solution = expand(damped_string(omega, damping, viscosity), top + 1)
     scale = growth(solution)
     errors = []
-    for epsilon in (0.02 / scale, 0.01 / scale):
-        exact = collocation(omega, damping, viscosity, epsilon)
+    for small in (0.02 / scale, 0.01 / scale):
+        exact = collocation(omega, damping, viscosity, small)
         row = []
         for order in range(1, top + 1):
             total = np.zeros_like(exact)
             total[0] = 1
             for n in range(1, order + 1):
                 for j, c in solution.contact(n).items():
-                    total[j] += epsilon**n * c
+                    total[j] += small**n * c
             row.append(np.sqrt(np.sum(np.abs(exact - total) ** 2)))
         errors.append(row)
     found = np.log2(np.array(errors[0]) / np.array(errors[1]))
@@ -244,10 +273,10 @@ def test_profile_and_driven_end() -> None:
             return j * omega * times
 
         leftover = []
-        for epsilon in (0.02 / scale, 0.01 / scale):
-            contact = response(solution, phase, epsilon, [], tau).contact
-            profile = response(solution, phase, epsilon, -contact[:, None], tau).profile
-            ends = profile[:, 0] - 1 - epsilon * np.cos(omega * tau)
+        for small in (0.02 / scale, 0.01 / scale):
+            contact = response(solution, phase, small, [], tau).contact
+            profile = response(solution, phase, small, -contact[:, None], tau).profile
+            ends = profile[:, 0] - 1 - small * np.cos(omega * tau)
             leftover.append(np.sqrt(np.mean(ends**2)))
         assert abs(np.log2(leftover[0] / leftover[1]) - 5) < 0.3
 
@@ -275,5 +304,3 @@ def test_functions_of_the_wavenumber() -> None:
 def test_bad_input(arguments: tuple, message: str) -> None:
     with pytest.raises(InputError, match=message):
         damped_string(*arguments)
-    with pytest.raises(InputError, match="no such closed form"):
-        contact_harmonic(expand(damped_string(0.83, 0.1), 1), 1, 1)

@@ -32,10 +32,11 @@ from asymptotics.expansion.proof import RefutedError
 from asymptotics.formulas.beam import contact_amplitude, expand_symbolic, impedances
 from asymptotics.formulas.linear_response import eliminate
 from asymptotics.problems.beam import beam_problem, float_beam
-from asymptotics.problems.damped import damped_string, generator_damped_string
+from asymptotics.problems.damped import damped_string
 from asymptotics.problems.enclosed import ball_damped_string, ball_string
 from asymptotics.problems.forcing import forced_string, fourier_drive
 from asymptotics.problems.forcing_generators import generator_string
+from asymptotics.problems.generators import Generators, generator_rope
 from asymptotics.problems.problem import Problem, float_string
 from asymptotics.resonances.folds import fold
 from asymptotics.resonances.singular_part import singular_part
@@ -71,7 +72,7 @@ PROBLEMS: list[Problem[Any]] = [
     beam_problem(np.array([0.01, 0.02]), 2.2),
     beam_problem("0.01", "2.2", "pinned", digits()),
     generator_string([1, 2], ORDER + 1),
-    generator_damped_string(ORDER + 1),
+    generator_rope(Generators(2, (1,), ORDER + 1, False)),
     expand_symbolic(ORDER + 1).problem,
     string_problem(LAURENT, LAURENT.omega, LAURENT.cot),
     *ball_problems(),

@@ -17,8 +17,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion.rounded import RoundedExpansion
 from asymptotics.formulas.beam import contact_amplitude, expand_symbolic, impedances
 from asymptotics.problems.beam import beam_problem, float_beam
-from asymptotics.problems.damped import damped_string, generator_damped_string
-from asymptotics.problems.damped import generator_values as damped_values
+from asymptotics.problems.damped import damped_string
 from asymptotics.problems.enclosed import ball_string
 from asymptotics.problems.forcing import FourierDrive, forced_string, fourier_drive
 from asymptotics.problems.forcing_generators import generator_string
@@ -300,14 +299,6 @@ def test_generators_of_strings_over_balls() -> None:
         assert ball.rel_accuracy_bits() > 150
         alone = ring.evaluate(element, forced_values(drive, order), ComplexRing())
         assert abs(alone / c - 1) < 1e-12
-    damped = generator_damped_string(3)
-    ring = damped.ring
-    numbers = expand(damped_string(0.83, 0.1), 3)
-    with at_precision(100):
-        values = damped_values(0.83, 0.1, 3, enclosed=True)
-        for j, element in expand(damped, 3).contact(3).items():
-            ball = ring.evaluate(element, values, AcbRing())
-            assert abs(complex(ball) - numbers.contact(3)[j]) <= EPS * abs(numbers.contact(3)[j])
 
 
 def test_a_resonance_that_no_precision_resolves() -> None:
