@@ -5,14 +5,14 @@
 ``problems``     what is expanded: string, beam, damping, drives; static shapes and spectra
 ``expansion``    the order loop, the frame of the contact point, the proof, storage
 ``formulas``     ring elements as formulas: normal forms, the zero test
-``printing``     formulas as text, LaTeX and NumPy
+``printing``     formulas as text, LaTeX, NumPy, JavaScript and JSON
 ``values``       numbers from an expansion, certified or not; singularities of the series
 ``resonances``   p/q, tongues, folds, first touch
 ``paper``        the printed formulas, and the check that ours equal them
 ===============  =================================================================================
 
-A room imports those above it, never those below (import-linter holds it; of printing, values and
-resonances none imports another).
+``derivation`` is the one verb over all of them. A room imports those above it, never those below
+(import-linter holds it; of printing, values and resonances none imports another).
 
 >>> from asymptotics import exact_string, expand, prove
 >>> solution = expand(exact_string(), order=3)

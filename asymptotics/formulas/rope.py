@@ -225,10 +225,7 @@ def is_even(rope: MovingContact) -> bool:
     >>> is_even(string(foundation=1.7)), is_even(string(damping=0.1))
     (True, False)
     """
-    statements = [rope.equation.terms, *(condition.terms for condition in rope.driven_end)]
-    if any(t % 2 for terms in statements for _, t in terms):
-        return False
-    return all(
+    return not rope.irreversible and all(
         sympy.expand(amplitude - c.drive.get(-j, 0)) == 0
         for c in rope.driven_end
         for j, amplitude in c.drive.items()

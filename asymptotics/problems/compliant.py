@@ -29,9 +29,10 @@ from asymptotics.errors import InputError
 from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.fundamental import Propagator, magnitude, product, solve
 from asymptotics.problems.moving_contact import MovingContact
+from asymptotics.problems.varying import value_at
 from asymptotics.rings.precision import PrecisionError
 
-Column = list[acb]
+Vector = list[acb]
 
 
 def stiffness(rope: MovingContact, values: Mapping[str, Fraction]) -> acb:
@@ -79,8 +80,8 @@ def allowed(coefficients: Sequence[acb], growth: Sequence[acb], what: str) -> li
     for root in roots:
         real = root.real
         if real.contains(0):
-            slope = _inner([k * c for k, c in enumerate(coefficients)][1:], root)
-            rate = -_inner(growth, root) / slope
+            slope = value_at([k * c for k, c in enumerate(coefficients)][1:], root)
+            rate = -value_at(growth, root) / slope
             real = rate.real
             if real.contains(0):
                 raise PrecisionError(f"{what}: which way a wave on the ground goes", root)
@@ -94,21 +95,14 @@ def allowed(coefficients: Sequence[acb], growth: Sequence[acb], what: str) -> li
     return found
 
 
-def _inner(coefficients: Sequence[acb], root: acb) -> acb:
-    total = acb(0)
-    for c in reversed(coefficients):
-        total = total * root + c
-    return total
-
-
-def derivatives(exponents: Sequence[acb], r: int) -> list[Column]:
+def powers_of(exponents: Sequence[acb], r: int) -> list[Vector]:
     """Rows ∂^d, d < r, of the columns e^{λ(ξ − ξ₀)} at ξ₀."""
     return [[x**d if d else acb(1) for x in exponents] for d in range(r)]
 
 
-def real_basis(exponents: Sequence[acb], r: int) -> list[Column]:
+def real_basis(exponents: Sequence[acb], r: int) -> list[Vector]:
     """The same in real combinations, for exponents that come in conjugate pairs."""
-    columns: list[Column] = []
+    columns: list[Vector] = []
     for x in exponents:
         powers = [x**d if d else acb(1) for d in range(r)]
         if x.imag.contains(0):
@@ -144,7 +138,7 @@ class Beyond:
     """
 
     propagator: Propagator
-    basis: list[Column]
+    basis: list[Vector]
     exponents: list[acb]
     all_forced: list[acb]
     forced: list[acb]
@@ -160,8 +154,8 @@ class Beyond:
         return cls(there, real_basis(exponents, r), exponents, forced, first)
 
     def system(
-        self, rows: Sequence[Column], constants: Sequence[acb], left: Propagator, point: arb
-    ) -> tuple[list[Column], list[acb]]:
+        self, rows: Sequence[Vector], constants: Sequence[acb], left: Propagator, point: arb
+    ) -> tuple[list[Vector], list[acb]]:
         """The driven end and W = 0 at ξ₀ as equations for the weights of the decaying solutions."""
         r = left.order
         table = product(rows, left.backwards(point))
@@ -172,7 +166,7 @@ class Beyond:
             sides.append(constant - load - _dot(row, self.forced))
         return [*lines, self.basis[0]], [*sides, -self.forced[0]]
 
-    def height(self, lines: list[Column], sides: list[acb]) -> arb:
+    def height(self, lines: list[Vector], sides: list[acb]) -> arb:
         """Zero at the static contact point: one equation more than there are weights."""
         rows = []
         for line, side in zip(lines, sides, strict=True):
@@ -184,7 +178,7 @@ class Beyond:
         """W at a distance beyond ξ₀, from W … ∂^{r−1}W there."""
         order = len(self.forced)
         weights = solve(
-            derivatives(self.exponents, order)[: len(self.exponents)],
+            powers_of(self.exponents, order)[: len(self.exponents)],
             [x - f for x, f in zip(state, self.forced, strict=True)][: len(self.exponents)],
             "the rope at rest on its springs",
         )
@@ -196,7 +190,7 @@ class Beyond:
             total = total + weight * (x * acb(length)).exp()
         return total.real
 
-    def state(self, lines: list[Column], sides: list[acb]) -> list[acb]:
+    def state(self, lines: list[Vector], sides: list[acb]) -> list[acb]:
         """W … ∂^{r−1}W at ξ₀."""
         weights = solve(lines[:-1], sides[:-1], "the rope at rest on its springs")
         state = [_dot(row, weights) + f for row, f in zip(self.basis, self.forced, strict=True)]
@@ -219,8 +213,8 @@ def growth_rates(rope: MovingContact, values: Mapping[str, Fraction], j: int, r:
 
 
 def two_sided(
-    rows: Sequence[Column], amplitudes: Sequence[acb], basis: list[Column], what: str
-) -> tuple[list[Column], Column]:
+    rows: Sequence[Vector], amplitudes: Sequence[acb], basis: list[Vector], what: str
+) -> tuple[list[Vector], Vector]:
     """One harmonic's derivatives at ξ₀, left and then right, per unit jump and driven.
 
     ``rows`` are M, ``basis`` R.
@@ -228,7 +222,7 @@ def two_sided(
     r = len(basis)
     block = [[_dot(row, column) for column in zip(*basis, strict=True)] for row in rows]
 
-    def beyond(right: Sequence[acb]) -> Column:
+    def beyond(right: Sequence[acb]) -> Vector:
         weights = solve(block, right, what)
         return [_dot(line, weights) for line in basis]
 
@@ -241,7 +235,7 @@ def two_sided(
     return jumps, [*driven, *driven]
 
 
-def annihilators(basis: list[Column], what: str) -> list[Column]:
+def annihilators(basis: list[Vector], what: str) -> list[Vector]:
     """Rows that vanish on a basis, solved for their last entries: what is left of other states."""
     r, free = len(basis), len(basis[0])
     upper = [list(row) for row in zip(*basis[:free], strict=True)]

@@ -13,10 +13,10 @@ from flint import acb, ctx
 from asymptotics.errors import InputError
 from asymptotics.problems.compliant import (
     allowed,
-    derivatives,
     ground_of,
     growth_rates,
     on_springs,
+    powers_of,
     stiffness,
     two_sided,
 )
@@ -71,10 +71,8 @@ class Enclosed:
 
     def _is_even(self) -> bool:
         """Whether state and coefficients are real: no odd ∂_τ, cosines only."""
-        rope = self.rope
-        statements = [rope.equation.terms, *(condition.terms for condition in rope.driven_end)]
-        odd = any(t % 2 for terms in statements for _, t in terms)
-        return not odd and all(x.imag.contains(0) for row in self.drive for x in row.values())
+        real = all(x.imag.contains(0) for row in self.drive for x in row.values())
+        return real and not self.rope.irreversible
 
     def rates(self, terms: Any, j: int, length: int) -> list[acb]:
         """Σ_t c_{kt} (ijΩ)^t for k = 0 … length − 1."""
@@ -149,7 +147,7 @@ class Enclosed:
         assert self.springs is not None
         there = on_springs(self.propagator(j).coefficients, self.springs)
         growth = growth_rates(self.rope, self.values, j, self.r)
-        return derivatives(allowed(there, growth, f"harmonic {j}"), self.r)
+        return powers_of(allowed(there, growth, f"harmonic {j}"), self.r)
 
     def varying(self) -> Varying[Any] | None:
         """The equation differentiated, where its coefficients vary."""

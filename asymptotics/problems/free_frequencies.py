@@ -197,8 +197,7 @@ class _Inverse:
 
     def __init__(self, rope: MovingContact, values: Mapping[str, float], place: float) -> None:
         self.rope, self.values, self.place = rope, values, place
-        statements = [rope.equation.terms, *(c.terms for c in rope.driven_end)]
-        self.is_damped = any(t % 2 for terms in statements for _, t in terms)
+        self.is_damped = rope.irreversible
 
     def __call__(self, omega: Array, factor: float) -> tuple[Array, Array]:
         m, r = self.rope.contact_order, self.rope.order

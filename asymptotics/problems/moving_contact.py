@@ -86,6 +86,12 @@ class MovingContact:
         return any(value.has(self.letters.xi) for value in self.equation.terms.values())
 
     @property
+    def irreversible(self) -> bool:
+        """Whether ∂_τ occurs to an odd power: damping, gyroscopic terms."""
+        statements = [self.equation.terms, *(c.terms for c in self.driven_end)]
+        return any(t % 2 for terms in statements for _, t in terms)
+
+    @property
     def parameters(self) -> tuple[str, ...]:
         """The names that need a value, Ω the last."""
         known, names = self.letters, set()

@@ -32,8 +32,8 @@ from asymptotics.problems.varying import (
     derivatives,
     differentiated,
     polynomial,
+    value_at,
 )
-from asymptotics.problems.varying import value as value_at
 from asymptotics.rings.precision import PrecisionError, at_precision
 
 # Where zeros are looked for, in units of x₀: a rope that is lifted over less or more of it has its

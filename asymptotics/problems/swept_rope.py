@@ -132,7 +132,7 @@ def swept_problem(rope: MovingContact, at: Mapping[Any, Any]) -> Problem[Any]:
     values = broadcast(rope, at)
     points = Points(rope, values)
     drives = [points.amplitudes(j) for j in _harmonics(rope)]
-    even = _is_even(rope) and not any(drive.imag.any() for drive in drives)
+    even = not rope.irreversible and not any(drive.imag.any() for drive in drives)
     ring: Any = FloatRing() if even else ComplexRing()
     m, r = rope.contact_order, rope.order
     _check(rope, points, points.place, "")
@@ -198,11 +198,6 @@ def swept_problem(rope: MovingContact, at: Mapping[Any, Any]) -> Problem[Any]:
 
 def _harmonics(rope: MovingContact) -> list[int]:
     return sorted({abs(j) for c in rope.driven_end for j in c.drive})
-
-
-def _is_even(rope: MovingContact) -> bool:
-    statements = [rope.equation.terms, *(c.terms for c in rope.driven_end)]
-    return not any(t % 2 for terms in statements for _, t in terms)
 
 
 def _check(rope: MovingContact, points: Points, numbers: Array, where: str) -> None:

@@ -48,7 +48,7 @@ def shifted(coefficients: Sequence[acb], place: acb) -> Polynomial:
     return found
 
 
-def value(coefficients: Sequence[acb], place: acb) -> acb:
+def value_at(coefficients: Sequence[acb], place: acb) -> acb:
     """The polynomial's value."""
     total = acb(0)
     for c in reversed(coefficients):
@@ -94,7 +94,7 @@ class VaryingPropagator:
     @property
     def coefficients(self) -> tuple[acb, ...]:
         """c_0 … c_r at ξ₀."""
-        return tuple(value(c, acb(self.point)) for c in self.polynomials)
+        return tuple(value_at(c, acb(self.point)) for c in self.polynomials)
 
     @property
     def load(self) -> tuple[acb, ...]:
