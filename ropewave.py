@@ -47,7 +47,7 @@ _ALGEBRA = {
     "resonances.rationals": "nonlinear_resonances stiff_limit weak_bending",
     "resonances.tongues": "Tongue tongue",
     "rings.precision": "at_precision",
-    "values.certified": "evaluate_certified",
+    "values.certified": "contact_certified evaluate_certified",
     "values.evaluate": "evaluate",
     "values.lindstedt": "lindstedt",
     "values.linear_response": "contact_response",

@@ -98,6 +98,10 @@ def beam(
 
 
 def _equation(beta: Any, damping: Any, viscosity: Any, foundation: Any) -> sympy.Eq:
+    given = {"beta": beta, "damping": damping, "viscosity": viscosity, "foundation": foundation}
+    for name, value in given.items():
+        if isinstance(value, str) or not isinstance(sympy.sympify(value), sympy.Expr):
+            raise InputError(f"{name} = {value!r}; give a number, or a SymPy symbol or expression")
     left = W.diff(tau, 2) + 2 * damping * W.diff(tau)
     right = W.diff(xi, 2) + viscosity * W.diff(xi, 2, tau) - foundation * W - 2
     return sympy.Eq(left, right - beta * W.diff(xi, 4))

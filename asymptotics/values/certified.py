@@ -10,17 +10,19 @@ until what was asked for is enclosed tightly enough. The result is the truncated
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
-from flint import arb, fmpq
+from flint import acb, arb, fmpq
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.expansion.moving_frame import MovingFrame, moving_frame
 from asymptotics.expansion.order_loop import Expansion, expand
 from asymptotics.problems.enclosed import ball_string
+from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.rings.balls import Frequency, frequency, outward, rational
 from asymptotics.rings.precision import at_precision, until
 
@@ -237,6 +239,84 @@ def evaluate_certified(
     if numbers["s"] < -reach:  # type: ignore[operator]
         raise InputError(f"s = {s!r} is beyond the driven end, which is at s = {-reach!r}")
     return CertifiedPoint(exact, order, bits, Enclosure.of(contact), Enclosure.of(profile))
+
+
+@dataclass(frozen=True)
+class CertifiedContact:
+    """ξ_c of a rope's truncated series at one (parameters, ε, τ): :func:`contact_certified`."""
+
+    at: dict[str, str]
+    order: int
+    bits: int
+    contact: Enclosure
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "parameters": self.at,
+            "order": self.order,
+            "bits": self.bits,
+            "contact": self.contact.as_json(),
+        }
+
+
+def contact_certified(
+    rope: MovingContact,
+    at: Mapping[Any, Any],
+    epsilon: Any,
+    order: int,
+    tau: Any,
+    relative: float = 1e-16,
+) -> CertifiedContact:
+    """An enclosure of ξ_c(τ) through ε^N of any rope that was written down.
+
+    Parameters
+    ----------
+    rope, at
+        As for :func:`asymptotics.expand`; decimals in strings are exact.
+    epsilon, tau
+        One number each, read likewise.
+    order, relative
+        As in :func:`evaluate_certified`.
+
+    Raises
+    ------
+    InputError, PrecisionError
+        As :func:`asymptotics.expand`; values that are no numbers.
+
+    Examples
+    --------
+    >>> from asymptotics.problems.presets import beam
+    >>> at = {"beta": "0.01", "Omega": "2.2"}
+    >>> point = contact_certified(beam(), at, "0.02", 3, 0, 1e-25)
+    >>> print(point.contact.ball.str(25, radius=False))
+    1.130391717647387328528099
+    """
+    order, relative = check_order(order), _accuracy(relative)
+    small, time = rational(epsilon), rational(tau)
+    if small is None or time is None:
+        raise InputError(f"epsilon = {epsilon!r}, tau = {tau!r}: give finite numbers or decimals")
+    values = rope.values(at)
+
+    def ball(number: Fraction) -> arb:
+        return arb(fmpq(number.numerator, number.denominator))
+
+    def compute() -> arb:
+        solution = expand(rope.at(at, "balls"), order)
+        place: Any = solution.problem.rest
+        rest = acb(place).real
+        angle = ball(values["Omega"]) * ball(time)
+        total = rest
+        for n in range(1, order + 1):
+            for j, c in solution.contact(n).items():
+                wave = acb(0, j * angle).exp() * acb(c) * (2 if j else 1)
+                total = total + ball(small) ** n * wave.real
+        return total
+
+    name = f"{rope} at order {order}"
+    contact, bits = until(lambda x: _tight(x, x, relative), compute, name)
+    spelled = {key: str(value) for key, value in values.items()}
+    return CertifiedContact(spelled, order, bits, Enclosure.of(contact))
 
 
 def _point(solution: Expansion[arb], omega: arb, epsilon: arb, s: arb, tau: arb) -> tuple[arb, arb]:

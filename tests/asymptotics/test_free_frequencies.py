@@ -34,6 +34,8 @@ def test_damped_strings_ring_and_decay() -> None:
     left = found.values**2 - 2j * zeta * found.values - kappa - k2 - 1j * eta * found.values * k2
     assert np.max(np.abs(left)) < 1e-7
     assert np.all(found.values.imag > 0)
+    assert np.all(found.errors < 1e-8)
+    assert np.all(found.errors > 0)
 
 
 def test_a_travelling_string() -> None:

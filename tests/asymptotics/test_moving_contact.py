@@ -344,3 +344,11 @@ def test_random_ropes_are_proved_and_a_moved_coefficient_is_not(
         wrong = Order(moved, order.shape, order.tails)
         with pytest.raises(RefutedError):
             prove(replace(series, orders=(series.orders[0], wrong)))
+
+
+@pytest.mark.parametrize("value", ["1.7", [1], None])
+def test_presets_take_numbers_and_symbols(value: object) -> None:
+    with pytest.raises(InputError, match="give a number"):
+        presets.string(foundation=value)
+    with pytest.raises(InputError, match="give a number"):
+        presets.beam(damping=value)

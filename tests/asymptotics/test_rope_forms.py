@@ -30,6 +30,7 @@ from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 from asymptotics.rings.balls import AcbRing
 from asymptotics.rings.precision import at_precision
 from asymptotics.rings.ring import GeneratorRing
+from asymptotics.values.certified import contact_certified, evaluate_certified
 from asymptotics.values.rope import evaluate_rope
 
 KAPPA, ZETA, PHI = sp.symbols("kappa zeta phi")
@@ -351,3 +352,21 @@ def test_one_expand_takes_arrays() -> None:
 def test_bad_arrays_are_refused_by_name(at: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
         expand(string(), 2, at=at)
+
+
+@pytest.mark.parametrize("name", ROPES)
+def test_certified_contact_points_hold_the_doubles(name: str) -> None:
+    """To thirty digits; the string's own certified evaluation is met where it applies."""
+    rope, at = ROPES[name]
+    doubles = evaluate_rope(rope, at, 0.01, 4, [], [0.3])
+    point = contact_certified(rope, at, 0.01, 4, 0.3, 1e-30)
+    assert point.contact.distance(float(doubles.contact[0])) < 1e-14
+    finer = contact_certified(rope, at, 0.01, 4, 0.3, 1e-60)
+    assert point.contact.ball.overlaps(finer.contact.ball)
+    assert finer.bits >= point.bits
+    assert float(finer.contact.ball.rad()) < 1e-59
+    plain = contact_certified(string(), {"Omega": "0.83"}, "0.02", 4, "0.3", 1e-25)
+    same = evaluate_certified("0.83", "0.02", 4, "-0.5", "0.3", 1e-25)
+    assert plain.contact.ball.overlaps(same.contact.ball)
+    with pytest.raises(InputError, match="finite numbers"):
+        contact_certified(rope, at, "x", 2, 0)

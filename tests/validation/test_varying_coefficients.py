@@ -136,6 +136,21 @@ def test_enclosures_hold_the_solution_where_terms_are_few() -> None:
     for coarse, fine in zip(way(60), way(300), strict=True):
         assert coarse.contains(fine)
         assert float(abs(coarse).rad()) < 1e-8
+    # Thin layers, large coefficients, a load: few bits must still hold what many bits know.
+    numbers = (40.0, 0.3, -1.0, 0.2, 1e-3)
+
+    def layers(bits: int) -> list[acb]:
+        with at_precision(bits):
+            load = [acb(-200), acb(30), acb(7)]
+            equation = VaryingPropagator(tuple([acb(c)] for c in numbers), load, arb(2))
+            return list(equation.between(arb(2), arb(1)).entries())
+
+    with at_precision(300):
+        exact_load = VaryingPropagator(([acb(1)], [acb(1)]), [acb(-200), acb(30), acb(7)], arb(2))
+        other = Propagator(tuple(map(acb, numbers)), exact_load.load)
+        exact_layers = list(other.backwards(arb(1)).entries())
+    for coarse, fine in zip(layers(80), exact_layers, strict=True):
+        assert coarse.contains(fine)
     with at_precision(100):
         value = way(100)[0]
         # Ai(−3) Bi′(4) − Bi(−3) Ai′(4) over the Wronskian 1/π.
