@@ -66,6 +66,8 @@ MOST_VALUES = 1_000_000
 # further on.
 MORE_PAGES = 6
 
+MODULES = ("numpy", "javascript")
+
 # Longer texts stay in their files when there are files; the screen gets the proofs.
 SCREEN = 20_000
 
@@ -120,6 +122,9 @@ def derive(
         show(*derived(rope, omega, order, as_json), as_json)
         return
     formats = _formats(format, out, order if rope is None else order + MORE_PAGES)
+    if format is None and rope is not None and rope.rope.varying:
+        formats = tuple(name for name in formats if name not in MODULES)
+        note("no modules: they compute impedances of equations with constant coefficients only")
     written: list[Path] = []
     if out is not None:
         check_folder(out)

@@ -181,6 +181,25 @@ def test_each_format_names_the_parameters_of_the_options(
     assert "0.01" not in out.replace("epsilon, 0.01", "")
 
 
+def test_a_rope_whose_tension_varies_has_formulas_but_no_modules(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "rope.toml"
+    file.write_text(
+        'equation = "W_tautau = (1 + xi/4)*W_xixi + W_xi/4 - 2"\n'
+        'driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]\ncontact = ["W", "W_xi"]\n'
+    )
+    folder = tmp_path / "x"
+    order = ["--order", "2", "--out", str(folder)]
+    code, _, err = said(["derive", "--problem", str(file), *order], capsys)
+    assert code == 0
+    assert "no modules" in err
+    assert {path.suffix for path in folder.iterdir()} == {".tex", ".json", ".txt"}
+    code, _, err = said(["derive", "--problem", str(file), "--format", "numpy"], capsys)
+    assert code == 2
+    assert "constant coefficients" in err
+
+
 def test_what_derive_draws_is_the_string(problem: str, capsys: pytest.CaptureFixture[str]) -> None:
     code, _, err = said(["derive", "--problem", problem, "--plot", "a.png"], capsys)
     assert code == 2

@@ -46,6 +46,21 @@ ROPES = {
 }
 
 
+def test_conditions_in_other_units_are_the_same_conditions() -> None:
+    rope = ROPES["damped, on a curved ground"]
+    tripled = LinearRope(
+        rope.terms,
+        rope.load,
+        [({(0, 0): 3.0}, 3.0, lambda t: 3 * shaken(t))],
+        rope.contacts,
+        rope.omega,
+        rope.rest,
+        rope.ground,
+    )
+    one, other = (periodic_contact(x, 0.02, 13) for x in (rope, tripled))
+    assert np.max(np.abs(one - other)) < 1e-12
+
+
 @pytest.mark.parametrize("name", ROPES)
 def test_modes_are_what_collocation_converges_to(name: str) -> None:
     rope = ROPES[name]
