@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from asymptotics.expansion.order_loop import Expansion, expand
     from asymptotics.expansion.proof import prove
     from asymptotics.formulas.closed_form import ClosedForm, ClosedForms
-    from asymptotics.problems.problem import exact_string, float_string, string_problem
+    from asymptotics.problems.string import exact_string, float_string, string_problem
 
 DISTRIBUTION = "ropewave"
 """Tells this package from another distribution's package of the same name."""
@@ -53,12 +53,12 @@ _HOMES = {
     "ClosedForms": "formulas.closed_form",
     "Expansion": "expansion.order_loop",
     "MovingFrame": "expansion.moving_frame",
-    "exact_string": "problems.problem",
+    "exact_string": "problems.string",
     "expand": "expansion.order_loop",
-    "float_string": "problems.problem",
+    "float_string": "problems.string",
     "moving_frame": "expansion.moving_frame",
     "prove": "expansion.proof",
-    "string_problem": "problems.problem",
+    "string_problem": "problems.string",
 }
 
 

@@ -132,7 +132,7 @@ def derive(
         from asymptotics.expansion.moving_frame import moving_frame
         from asymptotics.expansion.order_loop import expand
         from asymptotics.expansion.proof import prove
-        from asymptotics.problems.problem import exact_string
+        from asymptotics.problems.string import exact_string
 
         expansion = expand(exact_string(), order, progress=progress)
         frame = moving_frame(expansion, progress)

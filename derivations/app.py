@@ -194,7 +194,7 @@ def _derivation(order: int, style: str, cache: bool, quiet: bool) -> tuple[Any, 
     from asymptotics.expansion.proof import prove
     from asymptotics.expansion.storage import saved_expansion
     from asymptotics.formulas.closed_form import ClosedForms
-    from asymptotics.problems.problem import exact_string
+    from asymptotics.problems.string import exact_string
     from derivations.progress import progress
 
     problem = exact_string()

@@ -78,7 +78,7 @@ def enclosures(
     ----------
     expansion
         Over :class:`~asymptotics.rings.cotangent.CotangentRing`; θ = Ωτ, and the small parameter
-        and the scaled drive are those of :func:`asymptotics.problems.problem.string_problem`.
+        and the scaled drive are those of :func:`asymptotics.problems.string.string_problem`.
 
     Examples
     --------

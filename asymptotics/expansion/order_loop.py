@@ -196,7 +196,7 @@ def expand(
 
     Examples
     --------
-    >>> from asymptotics.problems.problem import exact_string
+    >>> from asymptotics.problems.string import exact_string
     >>> solution = expand(exact_string(), order=2)
     >>> solution.contact(1)          # ξ₁ = Ω/2 cos θ, eq. (linresponse1)
     {1: (Omega)/(4)}

@@ -207,7 +207,7 @@ def saved_expansion(
     Examples
     --------
     >>> import tempfile
-    >>> from asymptotics.problems.problem import exact_string
+    >>> from asymptotics.problems.string import exact_string
     >>> with tempfile.TemporaryDirectory() as name:
     ...     first = saved_expansion(exact_string(), 2, Path(name))
     ...     again = saved_expansion(exact_string(), 3, Path(name))

@@ -22,7 +22,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asymptotics.expansion.order_loop import Expansion, Order, expansions
-from asymptotics.problems.problem import RESOLUTION, Problem, Sweep
+from asymptotics.problems.problem import Problem, Sweep
+from asymptotics.problems.string import RESOLUTION
 from asymptotics.rings.bounded import lifted
 from asymptotics.rings.precision import PrecisionError
 

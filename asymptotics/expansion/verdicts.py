@@ -14,7 +14,7 @@ What rounding leaves of numbers is measured and stated, over that sum. With u th
 the next number it may leave
 
 * of the driven end √u: a problem refuses frequencies where less than half the digits of its
-  impedances are right (:data:`asymptotics.problems.problem.RESOLUTION`), and more it does not
+  impedances are right (:data:`asymptotics.problems.string.RESOLUTION`), and more it does not
   promise;
 * of the equation and the contact conditions 64 (N + 1)³ u: no impedance enters, only some N³
   products, each after a few roundings.

@@ -35,7 +35,8 @@ from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Expansion, expand
 from asymptotics.problems.beam import beam_problem, enclosed, static_beam, swept
 from asymptotics.problems.beam_waves import StaticBeam
-from asymptotics.problems.problem import RESOLUTION, Mode, Problem, Sweep
+from asymptotics.problems.problem import Mode, Problem, Sweep
+from asymptotics.problems.string import RESOLUTION
 from asymptotics.rings.bounded import lifted
 from asymptotics.rings.numbers import Numbers, doubles
 from asymptotics.rings.pickling import Remembered, remembering

@@ -37,8 +37,9 @@ from asymptotics.problems.beam_waves import (
     static_end_residuals,
     waves,
 )
-from asymptotics.problems.problem import RESOLUTION, Mode, Problem, Sweep
+from asymptotics.problems.problem import Mode, Problem, Sweep
 from asymptotics.problems.static_shape import boundary_slope, check_driven_end, contact_point
+from asymptotics.problems.string import RESOLUTION
 from asymptotics.rings.bounded import Bounded, bounded
 from asymptotics.rings.numbers import Numbers, balls, complex_balls, doubles
 from asymptotics.rings.pickling import remembering

@@ -24,14 +24,9 @@ from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.fundamental import Propagator, product, solve
 from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.problems.problem import Mode, Problem, Varying
+from asymptotics.problems.rest import Values, polynomials, rates_of
 from asymptotics.problems.rounded_problem import rounded_problem
-from asymptotics.problems.static_contact import (
-    Values,
-    check_static_shape,
-    polynomials,
-    rates_of,
-    static_data,
-)
+from asymptotics.problems.static_contact import check_static_shape, static_data
 from asymptotics.problems.varying import VaryingPropagator, differentiated, weights
 from asymptotics.rings.balls import AcbRing, ArbRing
 from asymptotics.rings.pickling import remembering

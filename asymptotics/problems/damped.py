@@ -32,7 +32,8 @@ from flint import acb
 
 from asymptotics.errors import InputError
 from asymptotics.problems.enclosed import ball_damped_string
-from asymptotics.problems.problem import Problem, check_frequency, driven_string
+from asymptotics.problems.problem import Problem
+from asymptotics.problems.string import check_frequency, driven_string
 from asymptotics.rings.pickling import remembering
 from asymptotics.rings.ring import ComplexRing
 

@@ -8,7 +8,8 @@ from typing import Any
 from flint import acb, arb, fmpq
 
 from asymptotics.errors import InputError
-from asymptotics.problems.problem import Problem, driven_string, string_problem
+from asymptotics.problems.problem import Problem
+from asymptotics.problems.string import driven_string, string_problem
 from asymptotics.rings.balls import AcbRing, ArbRing, frequency, rational
 from asymptotics.rings.pickling import remembering
 from asymptotics.rings.ring import Ring

@@ -29,7 +29,8 @@ from flint import acb, arb, fmpq
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError, ResonanceError
-from asymptotics.problems.problem import Problem, check_frequency, driven_string, pole_at
+from asymptotics.problems.problem import Problem
+from asymptotics.problems.string import check_frequency, driven_string, pole_at
 from asymptotics.rings.balls import AcbRing, ArbRing
 from asymptotics.rings.harmonics import pack, reachable, unpack
 from asymptotics.rings.pickling import remembering
@@ -270,7 +271,7 @@ def _forced(
 
 
 def _check_resonances(drive: FourierDrive, order: int) -> None:
-    """As :func:`~asymptotics.problems.problem.check_frequency`, for every combination the order
+    """As :func:`~asymptotics.problems.string.check_frequency`, for every combination the order
     excites.
     """
     for j in excited(list(drive.amplitudes), order):

@@ -2,7 +2,7 @@ r"""The forced string, exact in everything: frequencies, cotangents and amplitud
 
 No relation between the generators is used, so a formula holds for any number of incommensurate
 frequencies; with one frequency, :class:`~asymptotics.rings.cotangent.CotangentRing` also knows how
-its cotangents are related (:func:`asymptotics.problems.problem.string_problem` with a ``drive``).
+its cotangents are related (:func:`asymptotics.problems.string.string_problem` with a ``drive``).
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from flint import acb
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.problems.forcing import FourierDrive, Index, excited, packed_index
-from asymptotics.problems.problem import Problem, driven_string
+from asymptotics.problems.problem import Problem
+from asymptotics.problems.string import driven_string
 from asymptotics.rings.harmonics import unpack
 from asymptotics.rings.pickling import remembering
 from asymptotics.rings.ring import GeneratorRing

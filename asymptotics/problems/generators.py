@@ -207,7 +207,7 @@ def values_of(problem: Problem[Any], generators: Generators) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from asymptotics.problems.problem import float_string
+    >>> from asymptotics.problems.string import float_string
     >>> values = values_of(float_string(2.2, 2), Generators(2, (1,), 2, True))
     >>> sorted(values), values["alpha3"]
     (['S1_1', 'S1_2', 'Y0_1_0', 'Y2_1_0', 'alpha3'], 0.0)

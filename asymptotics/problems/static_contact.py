@@ -16,20 +16,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
-from itertools import combinations
 
 import numpy as np
-import sympy
 from flint import acb, acb_mat, arb, ctx
 
 from asymptotics.errors import InputError
-from asymptotics.problems.compliant import Beyond, on_springs, stiffness
-from asymptotics.problems.enclosed_expressions import enclose
-from asymptotics.problems.fundamental import Propagator, magnitude, product, solve
+from asymptotics.problems.compliant import on_springs
+from asymptotics.problems.fundamental import Propagator
 from asymptotics.problems.moving_contact import MovingContact
+from asymptotics.problems.rest import (
+    SAMPLES,
+    Rest,
+    Values,
+    rates_of,
+    rest_of,
+)
 from asymptotics.problems.varying import (
     VaryingPropagator,
-    derivatives,
     differentiated,
     polynomial,
     value_at,
@@ -40,11 +43,7 @@ from asymptotics.rings.precision import PrecisionError, at_precision
 # lengths measured in the wrong unit.
 NEAREST, FARTHEST = 1e-3, 1e3
 _SCAN = 400
-_SAMPLES = 200
 _MOST_BITS = 1 << 13
-
-
-Values = tuple[tuple[str, Fraction], ...]
 
 
 @dataclass(frozen=True)
@@ -106,157 +105,6 @@ def static_reduction(c: Sequence[acb], p: int) -> tuple[acb, ...]:
     return (*[acb(0)] * p, *(-c[k] / c[r] for k in range(r)))
 
 
-def polynomials(
-    rope: MovingContact, values: Mapping[str, Fraction], rate: acb | None
-) -> list[list[acb]]:
-    """c_k(ξ) at p = ``rate``, at rest without one, as coefficients of 1, ξ, …."""
-    found: list[list[acb]] = [[acb(0)] for _ in range(rope.order + 1)]
-    for (k, t), expression in rope.equation.terms.items():
-        if rate is None and t:
-            continue
-        factor = rate**t if rate is not None and t else acb(1)
-        for i, x in enumerate(polynomial(expression, rope.letters.xi, values)):
-            if i == len(found[k]):
-                found[k].append(acb(0))
-            found[k][i] = found[k][i] + x * factor
-    return found
-
-
-def rates_of(propagator: Propagator | VaryingPropagator) -> list[list[acb]]:
-    """c_k and their derivatives at ξ₀."""
-    if isinstance(propagator, Propagator):
-        return [[c] for c in propagator.coefficients]
-    return [derivatives(c, acb(propagator.point)) for c in propagator.polynomials]
-
-
-class _Rest:
-    """The equation at rest, in the precision of the moment."""
-
-    def __init__(self, rope: MovingContact, values: Mapping[str, Fraction]) -> None:
-        self.rope, self.values, self.r, self.m = rope, values, rope.order, rope.contact_order
-        self.known: dict[float, acb_mat] = {}
-        self.polynomials = polynomials(rope, values, None)
-        self.coefficients = [c[0] for c in self.polynomials]
-        self.rows = [
-            [
-                sum(
-                    (enclose(v, values) for (k, t), v in c.terms.items() if (k, t) == (i, 0)),
-                    acb(0),
-                )
-                for i in range(self.r)
-            ]
-            for c in rope.driven_end
-        ]
-        self.constants = tuple(enclose(c.constant, values) for c in rope.driven_end)
-        xi = rope.letters.xi
-        powers = sympy.Poly(rope.equation.right, xi).all_coeffs()[::-1]
-        self.load = [enclose(x, values) for x in powers]
-
-    def loads(self, point: arb) -> tuple[acb, ...]:
-        """ℓ, ℓ′, … at a place."""
-        found, current = [], list(self.load)
-        while current:
-            value = acb(0)
-            for x in reversed(current):
-                value = value * acb(point) + x
-            found.append(value)
-            current = [k * x for k, x in enumerate(current)][1:]
-        return tuple(found)
-
-    def propagator(self, point: arb) -> Propagator | VaryingPropagator:
-        if self.rope.varying:
-            return VaryingPropagator(tuple(self.polynomials), self.load, point, self.known)
-        return Propagator(tuple(self.coefficients), self.loads(point))
-
-    def system(self, point: arb) -> tuple[list[list[acb]], list[acb]]:
-        """Columns M_m … M_{r−1}, and E p − d."""
-        equation = self.propagator(point)
-        table = product(self.rows, equation.backwards(point))
-        left = []
-        for row, constant in zip(table, self.constants, strict=True):
-            terms = [row[self.r + p] * x for p, x in enumerate(equation.load)]
-            left.append(sum(terms, -constant))
-        return [row[self.m : self.r] for row in table], left
-
-    def height(self, point: arb) -> arb:
-        """F(ξ₀), real, scaled by a positive factor."""
-        columns, left = self.system(point)
-        rows = []
-        for row, x in zip(columns, left, strict=True):
-            size = max((abs(y).upper() for y in row), key=magnitude, default=arb(0))
-            size = size if size > 0 else arb(1)
-            rows.append([*(y / acb(size.mid()) for y in row), x / acb(size.mid())])
-        return acb_mat(rows).det().real
-
-    def first(self, point: arb) -> list[acb]:
-        """W₀ … ∂^{r−1}W₀ at ξ₀."""
-        return [*[acb(0)] * self.m, *self._shape(point)]
-
-    def _shape(self, point: arb) -> list[acb]:
-        """a_m … a_{r−1}, from the n − 1 conditions that tell them best."""
-        columns, left = self.system(point)
-        n = len(left)
-        failed: PrecisionError | None = None
-        for chosen in combinations(range(n - 1, -1, -1), n - 1):
-            try:
-                return solve(
-                    [columns[i] for i in chosen], [-left[i] for i in chosen], "the static shape"
-                )
-            except PrecisionError as error:
-                failed = error
-        raise failed if failed else PrecisionError("the static shape", None)
-
-    def lifted_beyond(self, point: arb) -> float | None:
-        """Where beyond ξ₀ the ground would have to pull; of a rigid one nobody asks here."""
-        return None
-
-
-class _RestOnSprings(_Rest):
-    """The same where the rope lies on springs: both sides of ξ₀ belong to one shape."""
-
-    def __init__(self, rope: MovingContact, values: Mapping[str, Fraction]) -> None:
-        super().__init__(rope, values)
-        self.springs = stiffness(rope, values)
-
-    def _system(self, point: arb) -> tuple[Beyond, list[list[acb]], list[acb]]:
-        left = self.propagator(point)
-        assert isinstance(left, Propagator)
-        left = left if left.load else replace(left, load=(acb(0),))
-        beyond = Beyond.at(left, self.springs)
-        return beyond, *beyond.system(self.rows, self.constants, left, point)
-
-    def height(self, point: arb) -> arb:
-        """F(ξ₀)."""
-        beyond, lines, sides = self._system(point)
-        return beyond.height(lines, sides)
-
-    def first(self, point: arb) -> list[acb]:
-        """W₀ … ∂^{r−1}W₀ at ξ₀."""
-        beyond, lines, sides = self._system(point)
-        return beyond.state(lines, sides)
-
-    def lifted_beyond(self, point: arb) -> float | None:
-        """A place beyond ξ₀ where the rope is above the springs."""
-        beyond, lines, sides = self._system(point)
-        state = beyond.state(lines, sides)
-        slowest = min((float(abs(x.real).mid()) for x in beyond.exponents), default=1.0)
-        for i in range(1, _SAMPLES + 1):
-            length = 20 * i / _SAMPLES / slowest
-            if beyond.depth(state, arb(length)) > 0:
-                return float(point) + length
-        return None
-
-
-def _rest_of(rope: MovingContact, values: Mapping[str, Fraction]) -> _Rest:
-    return _made_rest(rope, tuple(sorted(values.items())), ctx.prec)
-
-
-@lru_cache(maxsize=32)
-def _made_rest(rope: MovingContact, values: Values, bits: int) -> _Rest:
-    """In the precision of the moment, which is ``bits``."""
-    return (_Rest if rope.springs == 0 else _RestOnSprings)(rope, dict(values))
-
-
 @lru_cache(maxsize=256)
 def bracket(rope: MovingContact, values: Values) -> tuple[float, float]:
     """Two places around ξ₀: the smallest zero of F with a shape above the ground.
@@ -298,7 +146,7 @@ def _sign(
     """Whether F > 0 at a place, and the bits that it took."""
     while bits <= _MOST_BITS:
         with at_precision(bits):
-            value = _rest_of(rope, values).height(arb(place))
+            value = rest_of(rope, values).height(arb(place))
             if value > 0 or value < 0:
                 return bool(value > 0), bits
         bits *= 2
@@ -313,7 +161,7 @@ def _inadmissible(
         bits *= 2
         with at_precision(bits):
             try:
-                rest = _rest_of(rope, values)
+                rest = rest_of(rope, values)
                 point = enclosed_root(rest.height, *ends)
                 heights = _heights(rest, point)
             except PrecisionError:
@@ -326,7 +174,7 @@ def _inadmissible(
                 )
             below = [i for i, height in enumerate(heights) if height < 0]
             if below:
-                place = float(point) * (1 - (below[0] + 1) / _SAMPLES)
+                place = float(point) * (1 - (below[0] + 1) / SAMPLES)
                 return (
                     f"the shape that meets the ground at xi = {float(point):.6g} is below it at "
                     f"xi = {place:.3g}"
@@ -336,12 +184,12 @@ def _inadmissible(
     return f"the shape that meets the ground near xi = {ends[0]:.6g} lies on it"
 
 
-def _heights(rest: _Rest, point: arb) -> list[arb]:
+def _heights(rest: Rest, point: arb) -> list[arb]:
     """W₀ − g at equal steps from next to the contact point to the driven end."""
     equation = rest.propagator(point)
     state = acb_mat([[x] for x in (*rest.first(point), *equation.load)])
     found = []
-    for step in equation.steps(point, _SAMPLES):
+    for step in equation.steps(point, SAMPLES):
         state = step * state
         found.append(state[0, 0].real)
     return found
@@ -355,7 +203,7 @@ def _check_reaction(rope: MovingContact, values: Mapping[str, Fraction], contact
     with at_precision(64):
         mass = polynomial(inertia, rope.letters.xi, values)
         sign = 1.0 if value_at(mass, acb(contact)).real > 0 else -1.0
-        load = [-sign * float(x.real.mid()) for x in _Rest(rope, values).load]
+        load = [-sign * float(x.real.mid()) for x in Rest(rope, values).load]
     roots = np.roots(load[::-1])
     turning = sorted(float(x.real) for x in roots if abs(x.imag) < 1e-12 and x.real > contact)
     ends = [contact, *turning]
@@ -407,7 +255,7 @@ def static_data(rope: MovingContact, values: Mapping[str, Fraction]) -> StaticDa
 
 @lru_cache(maxsize=256)
 def _static_data(rope: MovingContact, given: Values, bits: int) -> StaticData:
-    rest = _rest_of(rope, dict(given))
+    rest = rest_of(rope, dict(given))
     lower, upper = bracket(rope, given)
     point = enclosed_root(rest.height, lower, upper)
     equation = rest.propagator(point)

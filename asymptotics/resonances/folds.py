@@ -62,7 +62,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
 from asymptotics.expansion.reduced_equation import Array, Resonance
 from asymptotics.problems.beam import check_beam
-from asymptotics.problems.problem import string_problem
+from asymptotics.problems.string import string_problem
 from asymptotics.resonances.fold_range import LEAST, Range, fold_range
 from asymptotics.rings.balls import outward
 from asymptotics.rings.ring import FloatRing

@@ -24,7 +24,7 @@ from flint import fmpq
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Expansion, expand
-from asymptotics.problems.problem import string_problem
+from asymptotics.problems.string import string_problem
 from asymptotics.resonances.pendulum import coefficient
 from asymptotics.rings.laurent import LaurentElement, LaurentRing, TruncationError
 from asymptotics.rings.resonance_field import (

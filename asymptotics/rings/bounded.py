@@ -161,7 +161,7 @@ class BoundedRing(FloatRing):
     """The ring of :class:`Bounded` numbers: what an expansion loses to rounding is in its result.
 
     >>> from asymptotics import expand
-    >>> from asymptotics.problems.problem import string_problem
+    >>> from asymptotics.problems.string import string_problem
     >>> omegas = Bounded(np.array([2.2, 3.1415926]))
     >>> cot = lambda j: bounded().cos(j * omegas) / bounded().sin(j * omegas)
     >>> xi = expand(string_problem(BoundedRing(), omegas, cot), 4).contact(4)[4]

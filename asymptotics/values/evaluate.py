@@ -19,7 +19,7 @@ import numpy.typing as npt
 from asymptotics.checks import axis, check_order, finite_number, positions
 from asymptotics.expansion.order_loop import Expansion, Progress, expansions
 from asymptotics.problems.forcing import FourierDrive, forced_string, fourier_drive
-from asymptotics.problems.problem import check_frequency
+from asymptotics.problems.string import check_frequency
 from asymptotics.values.response import Response, check_ordering, response
 
 

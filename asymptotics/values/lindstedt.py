@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from asymptotics.checks import check_order
 from asymptotics.errors import InputError
-from asymptotics.problems.problem import check_frequency
+from asymptotics.problems.string import check_frequency
 
 Array = npt.NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion.order_loop import expand
 from asymptotics.problems.damped import damped_string
-from asymptotics.problems.problem import LARGEST_PHASE, RESOLUTION
+from asymptotics.problems.string import LARGEST_PHASE, RESOLUTION
 
 # Beyond, doubles cannot tell a resonance from its neighbours: the bound of check_frequency.
 _LARGEST = 1.0e6

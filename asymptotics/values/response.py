@@ -29,7 +29,7 @@ from asymptotics.errors import InputError, OrderingError
 from asymptotics.expansion.moving_frame import MovingFrame, moving_frame
 from asymptotics.expansion.order_loop import Expansion, Progress
 from asymptotics.expansion.solutions import solutions
-from asymptotics.problems.problem import LARGEST_PHASE, RESOLUTION
+from asymptotics.problems.string import LARGEST_PHASE, RESOLUTION
 from asymptotics.rings.harmonics import Harmonics
 
 Array = npt.NDArray[Any]
@@ -103,7 +103,7 @@ def response(
         (j, τ) ↦ θ_j, as :meth:`asymptotics.problems.forcing.FourierDrive.phase`.
     epsilon
         The problem's small parameter: the forcing amplitude ε in units of Z₀ for the problems
-        above, ε/sin Ω for :func:`~asymptotics.problems.problem.float_string`.
+        above, ε/sin Ω for :func:`~asymptotics.problems.string.float_string`.
     s
         A number or a one-dimensional list, the same at all times, or a table with a row for each
         time; −ξ_c(τ) ≤ s ≤ 0.
@@ -214,7 +214,7 @@ def _resolved(j: int, phase: Array, times: Array) -> Array:
 def _check_driven_end(s: Array, times: Array, contact: Array) -> None:
     """No position beyond the driven end.
 
-    ξ_c is known to half the digits at least, see :data:`~asymptotics.problems.problem.RESOLUTION`:
+    ξ_c is known to half the digits at least, see :data:`~asymptotics.problems.string.RESOLUTION`:
     a position that misses the driven end by less than that is the driven end.
     """
     if not s.size:

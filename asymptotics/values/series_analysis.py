@@ -35,7 +35,7 @@ from asymptotics.checks import check_order
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Expansion, expand
 from asymptotics.expansion.rounded import RoundedExpansion
-from asymptotics.problems.problem import float_string
+from asymptotics.problems.string import float_string
 from asymptotics.rings.precision import at_precision
 from asymptotics.values.singularities import (
     AGREE,
@@ -184,13 +184,13 @@ def analyse_series(omega: float, order: int = 60) -> SeriesAnalysis:
     """Expand the string at Ω and look for the singularities of every harmonic.
 
     The approximants are made of the balls behind
-    :func:`~asymptotics.problems.problem.float_string`, of 64 + 4N bits or more: the rounding of
+    :func:`~asymptotics.problems.string.float_string`, of 64 + 4N bits or more: the rounding of
     doubles makes poles of its own.
 
     Raises
     ------
     InputError, ResonanceError
-        As :func:`~asymptotics.problems.problem.float_string`; also where no harmonic has 8
+        As :func:`~asymptotics.problems.string.float_string`; also where no harmonic has 8
         coefficients.
 
     Examples

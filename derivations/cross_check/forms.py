@@ -15,7 +15,7 @@ from asymptotics.formulas.beam import expand_symbolic
 from asymptotics.formulas.closed_form import ClosedForms
 from asymptotics.printing.beam_numpy import beam_numpy
 from asymptotics.printing.numpy_code import numpy_module
-from asymptotics.problems.problem import exact_string
+from asymptotics.problems.string import exact_string
 
 Array = NDArray[np.float64]
 

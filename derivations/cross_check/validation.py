@@ -25,7 +25,7 @@ import numpy as np
 from asymptotics.errors import InputError
 from asymptotics.problems.beam import float_beam
 from asymptotics.problems.moving_contact import MovingContact
-from asymptotics.problems.problem import check_frequency
+from asymptotics.problems.string import check_frequency
 from derivations.cross_check.data import Comparison, against_exact_string
 from derivations.cross_check.forms import (
     Array,

@@ -16,8 +16,8 @@ from asymptotics.formulas.beam import expand_symbolic
 from asymptotics.formulas.closed_form import STYLES, ClosedForms
 from asymptotics.printing.beam_latex import beam_latex
 from asymptotics.printing.beam_numpy import beam_numpy
-from asymptotics.problems.problem import exact_string
 from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.problems.string import exact_string
 from derivations.reports.formats import FORMATS, render
 
 GENERATED = Path(__file__).parents[1] / "generated"

@@ -12,7 +12,7 @@ from asymptotics import Expansion, exact_string, expand, float_string, prove, st
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.expansion.order_loop import Order
 from asymptotics.expansion.proof import RefutedError
-from asymptotics.problems.problem import pole_at
+from asymptotics.problems.string import pole_at
 from asymptotics.rings.cotangent import CotangentRing
 from asymptotics.rings.harmonics import pack, reachable, unpack
 from asymptotics.rings.ring import FloatRing

@@ -37,7 +37,8 @@ from asymptotics.problems.enclosed import ball_damped_string, ball_string
 from asymptotics.problems.forcing import forced_string, fourier_drive
 from asymptotics.problems.forcing_generators import generator_string
 from asymptotics.problems.generators import Generators, generator_rope
-from asymptotics.problems.problem import Problem, float_string
+from asymptotics.problems.problem import Problem
+from asymptotics.problems.string import float_string
 from asymptotics.resonances.folds import fold
 from asymptotics.resonances.singular_part import singular_part
 from asymptotics.rings.bounded import Bounded

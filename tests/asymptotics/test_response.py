@@ -18,7 +18,8 @@ from asymptotics.formulas.beam import expand_symbolic
 from asymptotics.printing.beam_numpy import beam_numpy
 from asymptotics.problems.beam import beam_problem, float_beam
 from asymptotics.problems.damped import damped_string
-from asymptotics.problems.problem import Problem, driven_string
+from asymptotics.problems.problem import Problem
+from asymptotics.problems.string import driven_string
 from asymptotics.rings.numbers import digits
 from asymptotics.rings.ring import FloatRing
 from asymptotics.values.response import response

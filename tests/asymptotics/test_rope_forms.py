@@ -25,7 +25,8 @@ from asymptotics.printing.rope_modules import rope_javascript, rope_numpy
 from asymptotics.problems.generators import Generators, generator_rope, values_of
 from asymptotics.problems.moving_contact import MovingContact, moving_contact
 from asymptotics.problems.presets import beam, string
-from asymptotics.problems.problem import Problem, exact_string
+from asymptotics.problems.problem import Problem
+from asymptotics.problems.string import exact_string
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 from asymptotics.rings.balls import AcbRing
 from asymptotics.rings.precision import at_precision

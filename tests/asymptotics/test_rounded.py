@@ -22,8 +22,9 @@ from asymptotics.problems.enclosed import ball_string
 from asymptotics.problems.forcing import FourierDrive, forced_string, fourier_drive
 from asymptotics.problems.forcing_generators import generator_string
 from asymptotics.problems.forcing_generators import generator_values as forced_values
-from asymptotics.problems.problem import Problem, driven_string
+from asymptotics.problems.problem import Problem
 from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.problems.string import driven_string
 from asymptotics.rings.balls import AcbRing
 from asymptotics.rings.numbers import NumberRing, balls, digits, doubles
 from asymptotics.rings.precision import PrecisionError, at_precision

@@ -20,8 +20,8 @@ from asymptotics.expansion.swept import SweptExpansion
 from asymptotics.formulas.beam import expand_symbolic, impedances
 from asymptotics.problems.beam import beam_problem
 from asymptotics.problems.beam_spectrum import linear_frequencies
-from asymptotics.problems.problem import RESOLUTION, string_problem
 from asymptotics.problems.static_shape import DRIVEN_ENDS
+from asymptotics.problems.string import RESOLUTION, string_problem
 from asymptotics.rings.bounded import Bounded, BoundedRing, bounded
 from asymptotics.rings.numbers import digits
 

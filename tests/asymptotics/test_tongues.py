@@ -15,7 +15,7 @@ from asymptotics import Expansion
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
 from asymptotics.formulas.normal_form import cotangent_terms
-from asymptotics.problems.problem import string_problem
+from asymptotics.problems.string import string_problem
 from asymptotics.resonances.pendulum import coefficient
 from asymptotics.resonances.singular_part import (
     amplitudes,

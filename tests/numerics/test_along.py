@@ -187,6 +187,10 @@ def test_bad_tables_are_refused() -> None:
     for places, values in (([0, 1], [0]), ([0], [0]), ([1, 0], [0, 0]), ([0, "a"], [0, 0])):
         with pytest.raises(InputError, match="ground"):
             table("ground", places, values)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="cover the domain"):
+        table("mass", [1, 9], [1, 1])(0.5)
+    with pytest.raises(InputError, match="cover the domain"):
+        table("mass", [0, 1, 2], [1, 1, 1])(2.5)
     assert along("a", Along((1.0,))) == Along((1.0,))
 
 
