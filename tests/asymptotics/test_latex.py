@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 import sympy
+import sympy as sp
 from mpmath import mp, mpf
 
 from asymptotics import ClosedForms, exact_string, expand
@@ -22,6 +23,7 @@ from asymptotics.errors import InputError
 from asymptotics.formulas.beam import expand_symbolic
 from asymptotics.formulas.closed_form import symbols
 from asymptotics.formulas.normal_form import resonance_cosines
+from asymptotics.formulas.rope import rope_forms
 from asymptotics.printing.beam_latex import beam_latex
 from asymptotics.printing.equations import COLUMNS, aligned
 from asymptotics.printing.latex import (
@@ -31,8 +33,12 @@ from asymptotics.printing.latex import (
     shape_equation,
 )
 from asymptotics.printing.latex_trees import cosine_sum
+from asymptotics.printing.rope_latex import rope_document, rope_latex
 from asymptotics.printing.text import _resonance
 from asymptotics.printing.widths import Limits, Piece, break_lines, width
+from asymptotics.problems import presets
+from asymptotics.problems.moving_contact import MovingContact, moving_contact
+from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 
 STYLES = ("cotangent", "circular")
 POINT = {"Omega": "0.8317", "epsilon": "0.0371", "s": "-0.6173", "xi": "0.4139", "tau": "1.2791"}
@@ -492,12 +498,51 @@ def test_the_beam_prints_within_the_column(column: str, tmp_path: Path) -> None:
     check_log(compile_tex(tmp_path, "beam.tex"))
 
 
+LONG = moving_contact(
+    equation=sp.Eq(
+        W.diff(tau, 2)
+        + 2 * sp.Symbol("zeta") * W.diff(tau)
+        + sp.Symbol("rho") * W.diff(xi, 2, tau, 2),
+        W.diff(xi, 2)
+        - sp.sqrt(2 * sp.Symbol("kappa_1") / 3) * W
+        - 2
+        - xi / 5
+        - sp.Symbol("beta") * W.diff(xi, 4),
+    ),
+    driven_end=[
+        sp.Eq(
+            W, 1 + epsilon * (sp.cos(Omega * tau) + sp.cos(3 * Omega * tau + sp.Symbol("phi")) / 7)
+        ),
+        sp.Eq(W.diff(xi, 2), sp.Symbol("nu") * W.diff(xi, 1, tau, 1)),
+    ],
+    contact=[W, W.diff(xi), W.diff(xi, 2)],
+    ground=xi / 9,
+)
+
+
+@needs_latex
+@pytest.mark.parametrize("column", COLUMNS)
+@pytest.mark.parametrize(
+    ("rope", "order"),
+    [(presets.string(foundation=sp.Symbol("kappa")), 4), (presets.beam(damping=0.1), 3), (LONG, 2)],
+)
+def test_any_rope_prints_within_the_column(
+    column: str, rope: MovingContact, order: int, tmp_path: Path
+) -> None:
+    forms = rope_forms(rope, order)
+    page = rope_document(forms, "rope.tex", column).replace(r"\begin{document}", EDGES)
+    (tmp_path / "rope.tex").write_text(rope_latex(forms, column=column), encoding="utf-8")
+    (tmp_path / "page.tex").write_text(page, encoding="utf-8")
+    check_log(compile_tex(tmp_path, "page.tex"))
+
+
 @needs_latex
 def test_widths_are_those_of_tex(tmp_path: Path) -> None:
     texts = [files(5, style, "one")["profile.tex"] for style in STYLES]
     texts.append(files(9, "circular", "two")["profile.tex"])
     beam = beam_latex(expand_symbolic(4))
-    texts.append(beam[beam.index("The amplitudes") :])
+    rope = rope_latex(rope_forms(presets.string(damping=0.1), 4))
+    texts += [text[text.index("The amplitudes") :] for text in (beam, rope)]
     lines = [right for text in texts for rows in displays(text) for _, right, _ in rows]
     boxes = "".join(f"\\sbox0{{$\\displaystyle{{}}{x}$}}\\typeout{{W \\the\\wd0}}\n" for x in lines)
     source = f"\\documentclass{{article}}\\begin{{document}}\n{boxes}\\end{{document}}\n"
