@@ -41,7 +41,7 @@ _WIDTHS = {
 _SCRIPT = {**dict.fromkeys("0123456789", 3.99), "(": 3.13, ")": 3.13, ",": 2.82}
 _SCRIPT_SPACE = 0.5
 _FRACTION_EDGES = 2.4
-_OVERLINE = 1.3  # the slant of what is below it, which a script no longer uses
+_OVERLINE = 1.5  # the slant of what is below it, which a script no longer uses
 
 _THIN, _MEDIUM, _THICK = 1.67, 2.23, 2.78
 _CLASSES = {
