@@ -41,7 +41,7 @@ _WIDTHS = {
 _SCRIPT = {**dict.fromkeys("0123456789", 3.99), "(": 3.13, ")": 3.13, ",": 2.82}
 _SCRIPT_SPACE = 0.5
 _FRACTION_EDGES = 2.4
-_OVERLINE = 1.5  # the slant of what is below it, which a script no longer uses
+_OVERLINE = {"Y": 1.5}  # its slant, where no script uses it; of others it is nothing to speak of
 
 _THIN, _MEDIUM, _THICK = 1.67, 2.23, 2.78
 _CLASSES = {
@@ -96,7 +96,9 @@ def _width(tokens: tuple[str, ...]) -> float:
         if token in (r"\hat", r"\overline", "{"):
             end = _group_end(tokens, i) if token == "{" else i + 1
             inside = _width(tokens[i + 1 : end - 1]) if token == "{" else 0.0
-            total, i = total + inside + (_OVERLINE if token == r"\overline" else 0.0), end
+            if token == r"\overline":
+                inside = _OVERLINE.get(tokens[i + 2], 0.0)
+            total, i = total + inside, end
             continue
         here = "fraction" if token == r"\frac" else _CLASSES.get(token, "ordinary")
         total += _space(left, here)
