@@ -62,7 +62,7 @@ def test_derive_writes_every_format(tmp_path: Path, capsys: pytest.CaptureFixtur
     out = tmp_path / "new" / "folder"
     assert run("derive", "--order", "3", "--out", str(out), "--plot", str(out / "p.pdf")) == 0
     assert {path.name for path in out.iterdir()} == {
-        "string-order3.txt", "string-order3.json", "string_order3.py", "p.pdf",
+        "string-order3.txt", "string-order3.json", "string_order3.py", "string_order3.mjs", "p.pdf",
         "contact.tex", "shape.tex", "profile.tex", "supplement.tex",
     }  # fmt: skip
     spec = importlib.util.spec_from_file_location("emitted", out / "string_order3.py")
@@ -81,7 +81,7 @@ def test_derive_writes_every_format(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("format", ["text", "latex", "numpy", "json"])
+@pytest.mark.parametrize("format", ["text", "latex", "numpy", "javascript", "json"])
 def test_one_format_goes_to_the_screen(format: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("derive", "--order", "2", "--format", format) == 0
     out = capsys.readouterr().out
