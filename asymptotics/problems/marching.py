@@ -165,8 +165,10 @@ def rest(equation: Any, ends: Any, heights: Any, load: Any, contacts: int) -> An
     return place, state[:, :order], state[:, order:]
 
 
-def along(equation: Any, ends: Any, amplitudes: Any, length: Any, values: Any, places: Any) -> Any:
-    """One harmonic at many places, from its first derivatives at the contact point.
+def along(
+    equation: Any, ends: Any, amplitudes: Any, length: Any, values: Any, places: Any, depth: int
+) -> Any:
+    """One harmonic and its derivatives at many places, from its data at the contact point.
 
     Parameters
     ----------
@@ -178,22 +180,41 @@ def along(equation: Any, ends: Any, amplitudes: Any, length: Any, values: Any, p
         The m - 1 contact data.
     places
         xi, any shape; slightly beyond the ends is continued.
+    depth
+        How many derivatives, w among them; the leading axis of the result.
     """
     matrix, rate = _scaled(equation[None])
     units = rate[0] ** np.arange(matrix.shape[-1])
     plane, driven = _driven_end(ends[None] * units, amplitudes[None], len(values))
     scaled = values / units[: len(values)]
-    return _followed(matrix, rate, plane, driven, length, scaled, places)
+    states = _followed(matrix, rate, plane, driven, length, scaled, places) * units
+    return _deep(equation, states, depth, places, None)
 
 
 def static_shape(
-    equation: Any, ends: Any, heights: Any, load: Any, length: Any, contacts: int, places: Any
+    equation: Any,
+    ends: Any,
+    heights: Any,
+    load: Any,
+    length: Any,
+    contacts: int,
+    places: Any,
+    depth: int,
 ) -> Any:
-    """The rope at rest at many places; arguments as in :func:`rest`, of one point."""
-    full, rate, _, plane, driven = _with_load(
+    """The same of the rope at rest; arguments as in :func:`rest`, of one point."""
+    full, rate, units, plane, driven = _with_load(
         equation[None], ends[None], heights[None], load[None], contacts
     )
-    return _followed(full, rate, plane, driven, length, np.zeros(contacts), places)
+    states = _followed(full, rate, plane, driven, length, np.zeros(contacts), places) * units[0]
+    order = equation.shape[-1] - 1
+    return _deep(equation, states[:, :order], depth, places, states[:, order:])
+
+
+def _deep(equation: Any, states: Any, depth: int, places: Any, load: Any) -> Any:
+    """As many derivatives as asked for, from the first r at each place."""
+    rows = np.broadcast_to(equation, (len(states), len(equation)))
+    found = towers(rows, states, max(depth, states.shape[1]), load)[:, :depth]
+    return np.moveaxis(found, 0, -1).reshape(depth, *np.shape(places))
 
 
 def _with_load(equation: Any, ends: Any, heights: Any, load: Any, contacts: int) -> Any:
@@ -219,7 +240,7 @@ def _with_load(equation: Any, ends: Any, heights: Any, load: Any, contacts: int)
 def _followed(
     matrix: Any, rate: Any, plane: Any, driven: Any, length: Any, values: Any, places: Any
 ) -> Any:
-    """W at places from what its first derivatives at the contact point are."""
+    """The states at places, a row each, from the first derivatives at the contact point."""
     size = np.abs(matrix).sum(axis=-1).max()
     steps = max(1, int(np.ceil(rate[0] * length * size / STEP)))
     if steps > MOST_STEPS:
@@ -245,7 +266,7 @@ def _followed(
     nearest = np.clip(np.rint(places.ravel() / stride), 0, steps).astype(int)
     away = rate[0] * (places.ravel() - nearest * stride)
     moved = _exponential(matrix * away[:, None, None]) @ states[nearest][..., None]
-    return moved[:, 0, 0].reshape(places.shape)
+    return moved[..., 0]
 
 
 def _scaled(equation: Any) -> Any:

@@ -201,6 +201,27 @@ def test_the_emitted_shape_meets_the_moving_frame_to_the_next_order(
     assert np.isnan(emitted["shape"](-0.1, 0.7, at["Omega"], 1e-3, **parameters(at)))
 
 
+@pytest.mark.parametrize("name", ROPES)
+def test_the_emitted_profile_is_the_moving_frame_s(
+    name: str, numpy_modules: dict[str, Any]
+) -> None:
+    """The same truncated series at fixed s, by Taylor's series about ξ₀ instead of reductions."""
+    rope, at = ROPES[name]
+    emitted, times = numpy_modules[name], np.array([0.0, 0.7, 2.1])
+    here = evaluate_rope(rope, at, 4e-3, 4, [-0.55, -0.4, -0.05, 0.0], times)
+    found = emitted["profile"](here.s, times[:, None], at["Omega"], 4e-3, **parameters(at))
+    assert np.max(np.abs(found - here.profile)) < 2e-10
+    slope = "slope" in name
+    ground = emitted["contact"](0.7, at["Omega"], 4e-3, **parameters(at)) / 10 if slope else 0.0
+    assert abs(found[1, 3] - ground) < 1e-11
+    end = emitted["profile"](-9.0, 0.0, at["Omega"], 4e-3, **parameters(at))
+    assert np.isnan(end)
+    # It meets the ground smoothly: s to the power of the contact's order.
+    near = emitted["profile"](np.array([-2e-2, -1e-2]), 0.7, at["Omega"], 4e-3, **parameters(at))
+    if not slope:
+        assert abs(np.log2(near[0] / near[1]) - rope.contact_order) < 0.3
+
+
 def javascript(source: str) -> quickjs.Context:
     context = quickjs.Context()
     context.eval(re.sub(r"^export ", "", source, flags=re.MULTILINE))

@@ -4,21 +4,24 @@ Order 2 of this rope is written by hand; asymptotics.printing.rope_modules puts 
 
     contact(tau, omega, epsilon, **parameters)      x_c/x0
     shape(xi, tau, omega, epsilon, **parameters)    w/Z0 at xi = x/x0, from the driven end on
+    profile(s, tau, omega, epsilon, **parameters)   w/Z0 at s = (x - x_c)/x0 <= 0
     harmonics(omega, **parameters)                  {(n, j): c}, x_c/x0 = static_contact_point
                                                     + Re sum c epsilon**n exp(i j omega tau)
     static_contact_point(**parameters)              x_c/x0 at rest
 
 All arguments are dimensionless: omega is the angular frequency times x0/c, epsilon the forcing
 amplitude in units of Z0, tau = c t/x0; the parameters' names are PARAMETERS. They broadcast against
-one another in contact, harmonics and static_contact_point; shape takes one rope, and arrays of
-xi and tau. The amplitudes are polynomials in impedances, which are computed here from the equation.
+one another in contact, harmonics and static_contact_point; shape and profile take one rope, and
+arrays of xi or s and tau. profile is the series in epsilon at fixed s: it meets the ground
+smoothly, to rounding; shape is the one at fixed xi, and meets the driven end. The amplitudes are
+polynomials in impedances, which are computed here from the equation.
 
 nan is no result. It says that there is none:
 
     at a resonance, or so near that less than half the digits of the impedances are right
     where no static contact point is found, or the rope would not leave the ground upwards there
     where so much cancels that less than half the digits of the oscillation are right
-    where an argument is not finite; where xi < 0, behind the driven end
+    where an argument is not finite; behind the driven end, xi < 0 or s < -x_c/x0
 
 What it does not look at: whether the rope at rest stays above the ground between its ends.
 """
@@ -40,7 +43,7 @@ GENERATORS = ("S1_1", "S1_2", "alpha3", "Y0_1_0", "Y2_1_0")
 RESOLUTION = 2.0**-26
 
 
-def contact(tau: Any, omega: Any, epsilon: Any, **parameters: Any) -> Any:
+def contact(tau: Any, omega: Any, epsilon: Any, /, **parameters: Any) -> Any:
     """x_c/x0 at the times tau, through epsilon**ORDER."""
     tau, omega, epsilon = (np.asarray(a, dtype=float) for a in (tau, omega, epsilon))
     point = _Point(omega, parameters)
@@ -56,7 +59,7 @@ def static_contact_point(**parameters: Any) -> Any:
     return point.shaped(point.place)[()]
 
 
-def harmonics(omega: Any, **parameters: Any) -> Any:
+def harmonics(omega: Any, /, **parameters: Any) -> Any:
     """{(n, j): amplitude of epsilon**n exp(i j omega tau) in x_c/x0}; its real part counts."""
     return _harmonics(_Point(omega, parameters))
 
@@ -72,7 +75,7 @@ def _harmonics(point: Any) -> Any:
     return result
 
 
-def shape(xi: Any, tau: Any, omega: Any, epsilon: Any, **parameters: Any) -> Any:
+def shape(xi: Any, tau: Any, omega: Any, epsilon: Any, /, **parameters: Any) -> Any:
     """w/Z0 at xi and the times tau, through epsilon**ORDER; 0 on the ground."""
     xi, tau = np.broadcast_arrays(np.asarray(xi, dtype=float), np.asarray(tau, dtype=float))
     point = _Point(omega, parameters)
@@ -86,8 +89,8 @@ def shape(xi: Any, tau: Any, omega: Any, epsilon: Any, **parameters: Any) -> Any
     heights, load = point.constants[0], point.load[0]
     equation, ends, _ = point.harmonic(0)
     total = static_shape(
-        equation[0].real, ends[0].real, heights, load, length, CONTACTS, inside
-    ).astype(float)
+        equation[0].real, ends[0].real, heights, load, length, CONTACTS, inside, 1
+    )[0].astype(float)
     weights = {j: [np.zeros(CONTACTS - 1, dtype=complex), 0.0] for j in DRIVE}
     for j in DRIVE:
         weights[j][1] = epsilon
@@ -97,10 +100,65 @@ def shape(xi: Any, tau: Any, omega: Any, epsilon: Any, **parameters: Any) -> Any
         entry[0] = entry[0] + scale * np.array([complex(np.ravel(u)[0]) for u in data])
     for j, (data, small) in weights.items():
         equation, ends, amplitudes = point.harmonic(j)
-        found = along(equation[0], ends[0], small * amplitudes[0], length, data, inside)
+        found = along(equation[0], ends[0], small * amplitudes[0], length, data, inside, 1)[0]
         total = total + np.real(found * np.exp(1j * j * omega * tau))
     total = np.where(xi > place, 0.0, total) + _ground(xi, point.parameters)
     return np.where(xi < -RESOLUTION, np.nan, total)[()]
+
+
+def profile(s: Any, tau: Any, omega: Any, epsilon: Any, /, **parameters: Any) -> Any:
+    """w/Z0 at the distance s from the contact point and the times tau; 0 on the ground, s > 0."""
+    s, tau = np.broadcast_arrays(np.asarray(s, dtype=float), np.asarray(tau, dtype=float))
+    point = _Point(omega, parameters)
+    if point.size != 1:
+        raise ValueError("profile takes one omega and one value of each parameter")
+    omega, length = float(np.ravel(omega)[0]), float(point.place[0])
+    if not np.isfinite(length) or not (np.isfinite(s).all() and np.isfinite(tau).all()):
+        return np.full(s.shape, np.nan)[()]
+    moved = [0.0 * tau] + [0.0 * tau for _ in range(ORDER)]
+    for (n, j), amplitude in _harmonics(point).items():
+        moved[n] = moved[n] + np.real(amplitude * np.exp(1j * j * omega * tau))
+    place = length + sum(epsilon**n * moved[n] for n in range(1, ORDER + 1))
+    lifted = length + np.minimum(s, 0.0)
+    # delta**d/d! as a series in epsilon, from d = 0 on.
+    power = [np.ones_like(tau)] + [0.0 * tau for _ in range(ORDER)]
+    data = _contact_data(point.values(), -1.0)
+    orders = [_order(point, k, data, lifted, tau, ORDER + 1 - k) for k in range(ORDER + 1)]
+    total = 0.0 * s
+    for d in range(ORDER + 1):
+        for k in range(ORDER + 1 - d):
+            for n in range(d, ORDER + 1 - k):
+                total = total + epsilon ** (n + k) * power[n] * orders[k][d]
+        power = [
+            sum((power[i] * moved[n - i] for i in range(n)), 0.0 * tau) / (d + 1)
+            for n in range(ORDER + 1)
+        ]
+    total = np.where(s > 0.0, 0.0, total) + _ground(place + s, point.parameters)
+    return np.where(s < -place - RESOLUTION, np.nan, total)[()]
+
+
+def _order(point: Any, k: int, contact_data: Any, places: Any, tau: Any, depth: int) -> Any:
+    """w_k and its derivatives in xi at fixed places, order k of epsilon."""
+    length, omega = point.place[0], point.omega[0]
+    if k == 0:
+        equation, ends, _ = point.harmonic(0)
+        heights, load = point.constants[0], point.load[0]
+        return static_shape(
+            equation[0].real, ends[0].real, heights, load, length, CONTACTS, places, depth
+        )
+    data = dict.fromkeys(DRIVE, (0.0,) * (CONTACTS - 1)) if k == 1 else {}
+    for (n, j), values in contact_data.items():
+        if n == k:
+            scale = point.leading[0] ** (1 - k)
+            data[j] = tuple(scale * complex(np.ravel(u)[0]) for u in values)
+    total = np.zeros((depth, *np.shape(places)))
+    for j, values in data.items():
+        equation, ends, amplitudes = point.harmonic(j)
+        drive = amplitudes[0] if k == 1 else 0.0 * amplitudes[0]
+        start = np.array(values, dtype=complex)
+        found = along(equation[0], ends[0], drive, length, start, places, depth)
+        total = total + np.real(found * np.exp(1j * j * omega * tau))
+    return total
 
 
 class _Point:
