@@ -82,6 +82,7 @@ EVERY: dict[str, dict[str, tuple[Any, ...]]] = {
     "tongue": {"": RATIO, "--order": ORDER, "--latex": _files("tex"), **COMMON},
     "fold": {
         "": RATIO, "--beta": BETA, "--driven-end": END, "--latex": _files("tex"), **COMMON,
+        "--problem": ROPE["--problem"], "--set": ROPE["--set"], "--drive": ROPE["--drive"],
     },
     "simulate": {
         "--omega": OMEGA, "--epsilon": EPSILON, "--beta": BETA, "--periods": ("4", "3", "2.5"),

@@ -167,10 +167,10 @@ def reduced_equation(shape: StaticBeam, omega: arb, q: int, order: int) -> Reduc
     [-0.48037, 0.00141, 0.01427, -0.00097]
     """
     solution = expand(_reduced_problem(shape, omega, q), order)
-    return [_left_over(solution, q, n) for n in range(1, order + 1)]
+    return [left_over(solution, q, n) for n in range(1, order + 1)]
 
 
-def _left_over(solution: Expansion[Any], q: int, n: int) -> list[arb]:
+def left_over(solution: Expansion[Any], q: int, n: int) -> list[arb]:
     """Order n of the contact condition w = 0 in harmonic q: w_n + Σ ξ_k H_{1, n−k}."""
     terms: Terms[Any] = {}
     for k in range(1, n):

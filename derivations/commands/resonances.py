@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -15,7 +15,7 @@ from derivations.commands.options import (
     OrderOption,
     PlotOption,
 )
-from derivations.commands.ropes import DampingOption, ProblemOption, SetOption, asked
+from derivations.commands.ropes import DampingOption, DriveOption, ProblemOption, SetOption, asked
 from derivations.output import show, wrote
 
 Ratio = Annotated[str, typer.Argument(metavar="P/Q", help="The resonance, e.g. 1/2.")]
@@ -107,22 +107,73 @@ def fold(
     ratio: Ratio,
     beta: BetaOption = 0.01,
     driven_end: EndOption = "pinned",
+    problem: ProblemOption = None,
+    values: SetOption = None,
+    drive: DriveOption = None,
     plot: PlotOption = None,
     latex: LatexOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The fold near Ω_p(β)/q of the rope that bends: what it ends, and how far its law holds."""
+    """The fold near Ω_p(β)/q of the rope that bends: what it ends, and how far its law holds.
+
+    With --problem or --drive: the amplitude equation of that rope at ω_p/q, and the law of its
+    fold, without its range.
+    """
     from asymptotics.resonances.folds import fold as compute
     from asymptotics.resonances.tongues import parse_fraction
     from derivations.reports import folds as report
 
     check_extras(latex, plot)
+    if problem is not None or values or drive is not None:
+        given = None if problem is not None else beta
+        end = None if problem is not None else driven_end
+        _fold_of_rope(ratio, problem, values, given, end, drive, plot, latex, as_json)
+        return
     p, q = parse_fraction(ratio)
     result = compute(p, q, beta, driven_end)
     if plot is not None:
         report.plot_fold(result, plot)
     show(result.as_json(), report.fold_text(result), as_json)
     write_extras(latex, report.fold_table([result]), plot)
+
+
+def _fold_of_rope(
+    ratio: str,
+    problem: Path | None,
+    values: list[str] | None,
+    beta: float | None,
+    driven_end: Literal["pinned", "clamped"] | None,
+    drive: str | None,
+    plot: Path | None,
+    latex: Path | None,
+    as_json: bool,
+) -> None:
+    """The amplitude equation of any undamped rope."""
+    from asymptotics.errors import InputError
+    from asymptotics.resonances.rope_fold import law_in_words, rope_fold
+
+    if latex is not None or plot is not None:
+        raise InputError(
+            "--plot and --latex are of the paper's ropes, by --beta and --driven-end; of others "
+            "there are the numbers and --json"
+        )
+    p, _, q = ratio.partition("/")
+    if not (p.isdigit() and q.isdigit()):
+        raise InputError(f"{ratio!r} is not p/q with whole numbers p and q, such as 1/2")
+    rope = asked(problem, values, beta, driven_end, None, drive)
+    assert rope is not None
+    at = {name: x for name, x in rope.at.items() if name != "Omega"}
+    found = rope_fold(rope.rope, at, int(p), int(q))
+    lines = [
+        str(rope.rope),
+        f"omega_{p} = {found.frequency:.12g}, resonance at Omega = {found.frequency / int(q):.12g}",
+        f"({q} mu - gamma epsilon^2) a = F epsilon^{found.excited} + alpha a^3, a the amplitude of "
+        f"cos {q} theta in x_c/x0:",
+        f"F = {found.F:.10g}, alpha = {found.alpha:.10g}, gamma = {found.gamma:.10g}",
+        f"fold: {law_in_words(found)}",
+    ]
+    fields = {**found.as_json(), "problem": str(rope.rope)}
+    show(fields, "\n".join(lines), as_json)
 
 
 def check_extras(latex: Path | None, plot: Path | None) -> None:

@@ -64,7 +64,7 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int) -> Array:
     (1.36, np.float64(1.36))
     """
     _check(rope, times)
-    state = _State(rope, epsilon, times)
+    state = State(rope, epsilon, times)
     found = settled(state.left, float(rope.rest), times)
     if found is None:
         raise NoPeriodicStateError(
@@ -133,7 +133,7 @@ def _forced(coefficients: Complex, load: Array) -> Array:
     return np.asarray(total.coeffs, float)
 
 
-class _State:
+class State:
     """W as a function of weights that are linear, and of ξ_c."""
 
     def __init__(self, rope: LinearRope, epsilon: float, times: int) -> None:

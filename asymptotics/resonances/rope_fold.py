@@ -1,0 +1,290 @@
+r"""The amplitude equation of a resonance of any undamped rope, and the fold that it has.
+
+Where qΩ is close to a free frequency ω_p (:mod:`asymptotics.problems.free_frequencies`) harmonic q
+is not expanded: b = ∂^{m−1}w_q at ξ₀ is given instead, a second small parameter, and the contact
+condition w = 0 of that harmonic is not imposed (Lyapunov–Schmidt reduction). What is left of it is
+
+.. math:: G(ε, b; Ω) = D(qΩ)\, b + \sum_{n ≤ N} \sum_k g_{n−k,k} ε^{n−k} b^k = 0, \qquad
+          D(ω_p) = 0 .
+
+The amplitude of cos qθ in ξ_c is a = −2b/a_m + …. With μ = Ω − ω_p/q and n₀ the first order that
+excites harmonic q,
+
+.. math:: (qμ − γε^2)\, a = F ε^{n_0} + α a^3, \qquad
+          F = \frac{2}{a_m D'} g_{n_0,0}, \quad α = −\frac{a_m^2}{4D'} g_{0,3}, \quad
+          γ = −\frac{1}{D'} g_{2,1},
+
+and a double root where :math:`qμ = γε^2 + κ ε^{2n_0/3}`, κ = (27αF²/4)^{1/3}. For the paper's beam
+it is :mod:`asymptotics.resonances.folds`, which also knows the range of the law.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import acb, arb, arb_poly, ctx
+
+from asymptotics.errors import InputError
+from asymptotics.expansion.order_loop import expand
+from asymptotics.expansion.reduced_equation import PolynomialRing, left_over
+from asymptotics.problems.contact_problem import Enclosed, enclosed_problem
+from asymptotics.problems.free_frequencies import free_frequencies
+from asymptotics.problems.fundamental import product, solve
+from asymptotics.problems.moving_contact import MovingContact
+from asymptotics.problems.problem import Mode, Problem
+from asymptotics.rings.harmonics import reachable
+from asymptotics.rings.precision import PrecisionError, at_precision
+
+LARGEST_Q = 8
+_BITS = (160, 320, 640, 1280)
+_NARROW = 2.0**-52
+
+
+@dataclass(frozen=True)
+class RopeFold:
+    """What :func:`rope_fold` found.
+
+    Attributes
+    ----------
+    p, q
+        Of ω_p/q.
+    excited
+        n₀.
+    frequency
+        ω_p.
+    F, alpha, gamma
+        Of the amplitude equation; γ of q = 1 too, where it is of higher order than the rest.
+    errors
+        Bounds on what rounding and the numerical D′ leave of the three.
+    """
+
+    p: int
+    q: int
+    excited: int
+    frequency: float
+    F: float
+    alpha: float
+    gamma: float
+    errors: tuple[float, float, float]
+
+    @property
+    def kappa(self) -> float:
+        """κ of the fold, with the sign of α."""
+        return float(np.cbrt(27 * self.alpha * self.F**2 / 4))
+
+    def detuning(self, epsilon: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """μ of the fold at ε, by the law of leading terms."""
+        small = np.abs(np.asarray(epsilon, dtype=float))
+        shift = self.gamma * small**2 + self.kappa * small ** (2 * self.excited / 3)
+        return np.asarray(shift / self.q)
+
+    def amplitudes(self, mu: float, epsilon: float) -> npt.NDArray[np.float64]:
+        """The real roots a of the amplitude equation, increasing: one state, or three."""
+        linear = self.q * mu - self.gamma * epsilon**2
+        roots = np.roots([self.alpha, 0.0, -linear, self.F * epsilon**self.excited])
+        real = roots[np.abs(roots.imag) <= 1e-9 * (np.abs(roots) + 1e-300)].real
+        return np.sort(real)
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain numbers."""
+        return {
+            "command": "fold",
+            "p": self.p,
+            "q": self.q,
+            "excited": self.excited,
+            "frequency": self.frequency,
+            "resonance": self.frequency / self.q,
+            "F": self.F,
+            "alpha": self.alpha,
+            "gamma": self.gamma,
+            "kappa": self.kappa,
+            "errors": list(self.errors),
+        }
+
+
+def rope_fold(rope: MovingContact, at: Mapping[Any, Any], p: int, q: int) -> RopeFold:
+    """The amplitude equation at ω_p/q of a rope at values of its parameters.
+
+    Parameters
+    ----------
+    rope
+        As it was written down: even in time, so without damping and without sines in its drive;
+        constant coefficients, a ground that does not give way, and a simple resonance, which the
+        string's is not where all multiples of one frequency resonate.
+    at
+        Symbol or name ↦ number, without Ω.
+    p, q
+        Which free frequency, and over which harmonic, 1 ≤ q ≤ 8.
+
+    Raises
+    ------
+    InputError
+        Anything else; a harmonic that the drive does not excite; another resonance so close that
+        the coefficients are lost.
+
+    Examples
+    --------
+    >>> from asymptotics.problems.presets import beam
+    >>> found = rope_fold(beam(), {"beta": 0.01}, 1, 1)
+    >>> round(found.F, 5), round(found.alpha, 5)
+    (-1.73159, -3.89146)
+    """
+    for name, value, most in (("p", p, 200), ("q", q, LARGEST_Q)):
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
+            raise InputError(f"{name} = {value!r}; give a whole number from 1 to {most}")
+    if rope.irreversible:
+        raise InputError(f"{rope}: folds are found of ropes without damping or gyroscopic terms")
+    given = {
+        str(getattr(key, "name", key)): value for key, value in at.items() if str(key) != "Omega"
+    }
+    start = float(free_frequencies(rope, given, p).values[p - 1])
+    drive = sorted({abs(j) for c in rope.driven_end for j in c.drive})
+    orders = [n for n in range(1, 2 * LARGEST_Q) if q in reachable(drive, n)]
+    if not orders:
+        raise InputError(f"harmonic {q} is not excited by a drive of harmonics {drive}")
+    excited = orders[0]
+    values = rope.values({**given, "Omega": 1})
+    for bits in _BITS:
+        with at_precision(bits):
+            try:
+                found = _coefficients(rope, values, start, q, excited)
+            except PrecisionError:
+                continue
+        if all(error <= _NARROW * (abs(x) + 1) for x, error in found[1:]):
+            (frequency, _), (F, f), (alpha, a), (gamma, g) = found
+            return RopeFold(p, q, excited, frequency, F, alpha, gamma, (f, a, g))
+    raise InputError(
+        f"the amplitude equation at omega_{p}/{q} of {rope} is lost in {_BITS[-1]} bits: another "
+        "resonance is too close"
+    )
+
+
+def _exact(ball: arb) -> Fraction:
+    """The centre of a ball.
+
+    Raises
+    ------
+    PrecisionError
+        It holds everything.
+    """
+    if not ball.is_finite():
+        raise PrecisionError("the free frequency", ball)
+    mantissa, exponent = ball.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+class _Resonant:
+    """One rope at rational frequencies next to a resonance."""
+
+    def __init__(self, rope: MovingContact, values: Mapping[str, Fraction], q: int) -> None:
+        self.rope, self.values, self.q = rope, values, q
+
+    def at(self, rate: Fraction) -> Enclosed:
+        """The rope driven at Ω = rate/q."""
+        return Enclosed(self.rope, tuple(sorted({**self.values, "Omega": rate / self.q}.items())))
+
+    def exchanged(self, made: Enclosed) -> tuple[list[list[acb]], list[acb], list[acb]]:
+        """Harmonic q per contact datum (the first left out), per b, and driven: r derivatives."""
+        m, r, q = self.rope.contact_order, self.rope.order, self.q
+        table = product(made.rows(q), made.propagator(q).backwards(made.static.point))
+        free = [0, *range(m, r)]
+        block = [[row[c] for c in free] for row in table]
+
+        def column(datum: int | None, right: Sequence[acb]) -> list[acb]:
+            found = solve(block, right, f"harmonic {q} next to its resonance")
+            full = [acb(0)] * r
+            for c, x in zip(free, found, strict=True):
+                full[c] = x
+            if datum is not None:
+                full[datum] = acb(1)
+            return full
+
+        data = [column(k, [-row[k] for row in table]) for k in range(1, m - 1)]
+        return data, column(m - 1, [-row[m - 1] for row in table]), column(None, made.amplitudes(q))
+
+    def detuning(self, rate: Fraction) -> arb:
+        """D at the angular frequency ``rate`` = qΩ."""
+        return self.exchanged(self.at(rate))[1][0].real
+
+
+def _coefficients(
+    rope: MovingContact, values: Mapping[str, Fraction], start: float, q: int, excited: int
+) -> list[tuple[float, float]]:
+    """ω_p, F, α, γ with errors, in the precision of the moment."""
+    resonant = _Resonant(rope, values, q)
+    rate = Fraction(start)
+    step = Fraction(1, 2 ** (ctx.prec // 3))
+    for _ in range(ctx.prec.bit_length()):
+        below, here, above = (resonant.detuning(rate + d * step) for d in (-1, 0, 1))
+        slope = (above - below) / (2 * arb(step.numerator) / arb(step.denominator))
+        rate = _exact(arb(rate.numerator) / arb(rate.denominator) - here / slope)
+    # The next term of the difference quotient, D‴ step²/6, from D″ as it is seen.
+    curved = abs(above - 2 * here + below) / (arb(step.numerator) / arb(step.denominator))
+    slope = arb(slope.mid(), slope.rad() + curved.upper() * arb(2) ** (-ctx.prec // 4))
+    G = _reduced(resonant, rate, q, max(3, excited, q if q == 1 else 3))
+    leading = resonant.at(rate).static.derivative(rope.contact_order).real
+    amplitude = -2 / leading
+    third = [*G[2], *[arb(0)] * 4]
+    balls = [
+        arb(rate.numerator) / arb(rate.denominator),
+        -amplitude * G[excited - 1][0] / slope,
+        -third[3] / (amplitude**2 * slope),
+        -third[1] / slope,
+    ]
+    return [
+        (float(x.mid()), float(x.rad().upper()) + 2.0**-53 * abs(float(x.mid()))) for x in balls
+    ]
+
+
+def _reduced(resonant: _Resonant, rate: Fraction, q: int, order: int) -> list[list[arb]]:
+    """G through an order, at Ω = rate/q."""
+    values = tuple(sorted({**resonant.values, "Omega": rate / q}.items()))
+    base: Problem[Any] = enclosed_problem(resonant.rope, values)
+    data, by_b, driven = resonant.exchanged(resonant.at(rate))
+    ring, b = PolynomialRing(), arb_poly([0, 1])
+
+    def lift(row: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(arb_poly([acb(x).real]) for x in row)
+
+    @cache
+    def mode(j: int) -> Mode[Any]:
+        if j != q:
+            known = base.mode(j)
+            rows = tuple(lift(row) for row in known.impedance)
+            return Mode(lift(known.reduction), rows, lift(known.source))
+        coefficients = resonant.at(rate).propagator(q).coefficients
+        r = len(coefficients) - 1
+        reduction = [-c / coefficients[r] for c in coefficients[:r]]
+        rows = (lift([0] * r), *(lift(row) for row in data))
+        both = tuple(b * x + y for x, y in zip(lift(by_b), lift(driven), strict=True))
+        return Mode(lift(reduction), rows, both)
+
+    problem = replace(
+        base,
+        name=f"reduced {base.name}",
+        ring=ring,
+        static=cache(lambda d: arb_poly([base.static(d)])),
+        static_reduction=lift(base.static_reduction),
+        mode=mode,
+        drive=dict.fromkeys({*base.drive, q}, ring.one),
+        inverse_leading=arb_poly([base.inverse_leading]),
+    )
+    solution = expand(problem, order)
+    return [left_over(solution, q, n) for n in range(1, order + 1)]
+
+
+def law_in_words(found: RopeFold) -> str:
+    """The fold's law as a line of text."""
+    power = 2 * found.excited / 3
+    exponent = f"{power:.4g}" if not math.isclose(power, round(power)) else f"{round(power)}"
+    return (
+        f"{found.q} (Omega - {found.frequency / found.q:.10g}) = {found.gamma:.6g} epsilon^2 "
+        f"{found.kappa:+.6g} epsilon^{exponent}"
+    )
