@@ -6,8 +6,11 @@ Compiling takes seconds, and is told to the logger ``ropewave.numerics``.
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import inspect
 import logging
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -17,7 +20,18 @@ _LOGGER = logging.getLogger("ropewave.numerics")
 
 
 class _Cache(FunctionCache):
-    """numba's cache of a function, for places that may be full."""
+    """numba's cache of a function, for places that may be full.
+
+    numba compiles anew when the function's own file changes. What it calls in other files is
+    compiled into it, so that their contents belong to the key, too.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        self._called = _sources(function)
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+        return (*super()._index_key(sig, codegen), self._called)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What was kept, or None."""
@@ -30,6 +44,17 @@ class _Cache(FunctionCache):
         """Keep what was compiled, if possible: this process has it anyhow."""
         with contextlib.suppress(OSError):
             super().save_overload(sig, data)
+
+
+def _sources(function: Callable[..., Any]) -> str:
+    """A digest of the files that hold the compiled functions that a function's module knows."""
+    known = function.__globals__.values()
+    called = [x.py_func for x in known if hasattr(x, "py_func")]
+    files = sorted({inspect.getfile(other) for other in called} - {inspect.getfile(function)})
+    digest = hashlib.sha256()
+    for name in files:
+        digest.update(Path(name).read_bytes())
+    return digest.hexdigest()
 
 
 class _NoCache(NullCache):

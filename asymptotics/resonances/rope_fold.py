@@ -43,7 +43,7 @@ from asymptotics.rings.harmonics import reachable
 from asymptotics.rings.precision import PrecisionError, at_precision
 
 LARGEST_Q = 8
-_BITS = (160, 320, 640, 1280)
+_BITS = (160, 320, 640, 1280, 2560, 5120)
 _NARROW = 2.0**-52
 
 

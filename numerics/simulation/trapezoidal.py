@@ -49,11 +49,6 @@ from numerics.simulation.semi_discrete import Flags, SemiDiscrete, State
 
 Indices = NDArray[np.int64]
 
-# What numba compiled is reused until this file changes. It calls
-# numerics/simulation/observables.py, so it must change with it: these are the first digits of that
-# file's SHA-256, held to it by a test.
-_COMPILED_WITH = "e465aa54556d"
-
 ROUNDS = 12
 """Rounds of the primal–dual iteration before Murty's rule takes over."""
 

@@ -31,11 +31,6 @@ from numerics.problems.drive import Array
 from numerics.simulation.observables import elastic_force, moving_size, observe, settle
 from numerics.simulation.semi_discrete import SemiDiscrete, State
 
-# What numba compiled is reused until this file changes. It calls
-# numerics/simulation/observables.py, so it must change with it: these are the first digits of that
-# file's SHA-256, held to it by a test.
-_COMPILED_WITH = "e465aa54556d"
-
 
 @njit(cache=True)
 def advance(
