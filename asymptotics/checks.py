@@ -26,8 +26,10 @@ def finite_number(name: str, value: Any) -> float:
     return number
 
 
-def positions(s: npt.ArrayLike, times: int) -> npt.NDArray[np.float64]:
+def positions(s: npt.ArrayLike, times: int, beyond: bool = False) -> npt.NDArray[np.float64]:
     """Positions s = (x − x_c)/x₀ ≤ 0, one list for all times or a row for each of them.
+
+    ``beyond`` allows s > 0, where the ground gives way and the rope on it moves.
 
     >>> positions([-0.5, 0.0], 3)
     array([-0.5,  0. ])
@@ -38,7 +40,7 @@ def positions(s: npt.ArrayLike, times: int) -> npt.NDArray[np.float64]:
             f"s has {np.shape(s)[0]} rows for {times} times; give one list, or a row for each time"
         )
     array = axis("s", np.ravel(s) if table else s)
-    if array.size and array.max() > 0:
+    if array.size and array.max() > 0 and not beyond:
         raise InputError(
             f"s = {float(array.max())!r} is beyond the contact point; "
             "the profile is defined for s = (x − x_c)/x₀ ≤ 0"

@@ -106,7 +106,7 @@ def response(
         above, ε/sin Ω for :func:`~asymptotics.problems.string.float_string`.
     s
         A number or a one-dimensional list, the same at all times, or a table with a row for each
-        time; −ξ_c(τ) ≤ s ≤ 0.
+        time; −ξ_c(τ) ≤ s ≤ 0. Where the ground gives way also s > 0.
     tau
         A number or a one-dimensional list.
     progress
@@ -139,7 +139,7 @@ def response(
     (array([1.13039172]), array([[0.16698635]]))
     """
     epsilon, times = finite_number("epsilon", epsilon), axis("tau", tau)
-    places = positions(s, times.size)
+    places = positions(s, times.size, beyond=expansion.problem.ground is not None)
     count = times.size * places.shape[-1]
     if count > MOST:
         raise InputError(
@@ -156,7 +156,12 @@ def response(
         _check_driven_end(places, times, contact)
         profile = np.zeros((times.size, places.shape[-1]))
         if count:
-            profile = _profile(moving_frame(expansion, progress), phases, epsilon, places, times)
+            frame = moving_frame(expansion, progress)
+            profile = _profile(frame, phases, epsilon, np.minimum(places, 0.0), times)
+            if frame.right is not None and places.max() > 0:
+                there = np.maximum(places, 0.0)
+                right = _profile(frame.right, phases, epsilon, there, times, beyond=True)
+                profile = np.where(places > 0, right, profile)
     except MemoryError:
         raise InputError(
             f"not enough memory for a profile at {times.size} times × {places.shape[-1]} "
@@ -231,10 +236,17 @@ def _check_driven_end(s: Array, times: Array, contact: Array) -> None:
 
 
 def _profile(
-    frame: MovingFrame[Any], phase: Phase, epsilon: float, s: Array, times: Array
+    frame: MovingFrame[Any],
+    phase: Phase,
+    epsilon: float,
+    s: Array,
+    times: Array,
+    beyond: bool = False,
 ) -> Array:
+    """W at s from the coefficients of one side's frame."""
     problem = frame.expansion.problem
     ring, m = problem.ring, problem.contact_order
+    side: Any = problem.ground if beyond else problem
 
     def amplitude(series: Sequence[Harmonics[Any]], real: bool) -> Array:
         total: Array = np.zeros(times.shape, dtype=float if real else complex)
@@ -246,9 +258,10 @@ def _profile(
                     total += 2.0 * epsilon**n * c * np.exp(1j * phase(j))
         return total
 
-    parts = [(problem.static_reduction, frame.static, True)]
+    parts = [(side.static_reduction, frame.static, True)]
     for k, series in frame.modes.items():
-        parts.append((problem.mode(k).reduction, series, ring.even or k == 0))
+        reduction = side.reduction(k) if beyond else problem.mode(k).reduction
+        parts.append((reduction, series, ring.even or k == 0))
     profile, size = np.zeros((times.size, s.shape[-1])), 0.0
     for reduction, rows, real in parts:
         chi = [complex(x).real if real else complex(x) for x in reduction]

@@ -67,7 +67,7 @@ def evaluate_rope(
     """
     order, small = check_order(order), finite_number("epsilon", epsilon)
     values, times = rope.values(at), axis("tau", tau)
-    places = positions([] if s is None else s, times.size)
+    places = positions([] if s is None else s, times.size, beyond=rope.springs != 0)
     if rope.varying and places.size:
         raise InputError(
             "s: the profile is not offered where coefficients vary with xi; leave s out, or give "
@@ -89,14 +89,14 @@ def evaluate_rope(
         places = np.array([x for x in rest * np.linspace(-1, 0, 5) if x >= -lowest])
     frame_done = None if progress is None else lambda n: progress(order + n)
     found = response(solution, phase, small, places, times, frame_done)
-    ground = _ground(rope, values, found.contact[:, None] + found.s)
+    ground = ground_height(rope, values, found.contact[:, None] + found.s)
     found = replace(found, profile=found.profile + ground)
     numbers = {name: float(value) for name, value in values.items()}
     return RopeEvaluation(**vars(found), static_contact=rest, at=numbers)
 
 
-def _ground(rope: MovingContact, values: Mapping[str, Any], x: Any) -> Any:
-    """g at these places: the expansion is of W − g."""
+def ground_height(rope: MovingContact, values: Mapping[str, Any], x: Any) -> Any:
+    """g at these places, its parameters' values as :meth:`MovingContact.values` has them."""
     exact = {
         symbol: sympy.Rational(value.numerator, value.denominator)
         for symbol in rope.ground.free_symbols

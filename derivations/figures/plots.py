@@ -18,7 +18,7 @@ from asymptotics.expansion.order_loop import Progress
 from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.values.evaluate import string_expansion
 from asymptotics.values.response import Response, response
-from asymptotics.values.rope import evaluate_rope
+from asymptotics.values.rope import evaluate_rope, ground_height
 from derivations.files import check_writable, write_file
 
 SUFFIXES = {".png", ".pdf", ".svg"}
@@ -120,12 +120,20 @@ def plot_rope_period(
     tau = np.linspace(0.0, 2 * math.pi / omega, 97)
     contact = evaluate_rope(rope, at, epsilon, order, [], tau).contact
     s = contact[:, None] * np.linspace(-1.0, 0.0, 401)
+    if rope.springs != 0:
+        # Beyond the contact point it moves, too: a layer 1/√κ sinks, and waves leave.
+        ahead = np.linspace(0.0, 0.6, 241)[1:] * contact.max()
+        s = np.hstack([s, np.broadcast_to(ahead, (tau.size, ahead.size))])
     result = evaluate_rope(rope, at, epsilon, order, s, tau, progress)
-    save_figure(_period_figure(result, omega), path)
+
+    def ground(x: Any) -> Any:
+        return ground_height(rope, rope.values(at), x)
+
+    save_figure(_period_figure(result, omega, ground), path)
     return result
 
 
-def _period_figure(result: Response, omega: float) -> Any:
+def _period_figure(result: Response, omega: float, ground: Any = None) -> Any:
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 
@@ -137,15 +145,18 @@ def _period_figure(result: Response, omega: float) -> Any:
         for i, (colour, phase) in enumerate(zip(colours, _PHASES, strict=True)):
             contact, profile = result.contact[i * step], result.profile[i * step]
             left.plot(contact + result.s[i * step], profile, color=colour, label=f"${phase}$")
-            left.plot(contact, profile[-1], "o", color=colour, ms=3.2)
+            there = np.interp(0.0, result.s[i * step], profile)
+            left.plot(contact, there, "o", color=colour, ms=3.2)
             right.plot(result.tau[i * step] / period, contact, "o", color=colour, ms=4.5, zorder=3)
         left.set(
             xlabel=r"position $x/x_0$",
             ylabel=r"height $w/Z_0$",
-            xlim=(0, 1.15 * result.contact.max()),
+            xlim=(0, 1.15 * max(result.contact.max(), (result.contact[:, None] + result.s).max())),
             title="rope in the first half of a period",
         )
-        left.axhline(0, color="0.6", lw=0.6, zorder=0)
+        x = np.linspace(0.0, left.get_xlim()[1], 200)
+        height = np.zeros_like(x) if ground is None else ground(x)
+        left.plot(x, height, color="0.6", lw=0.6, zorder=0)
         left.legend(title=r"time $\omega t/2\pi$", frameon=False, title_fontsize=9)
         right.plot(result.tau / period, result.contact, color="black", lw=1.0)
         right.set(

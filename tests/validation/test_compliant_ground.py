@@ -97,12 +97,34 @@ def test_stiff_springs_are_the_rigid_ground() -> None:
         assert 5 < coarse / fine < 12
 
 
-def test_the_profile_meets_the_springs() -> None:
-    result = evaluate_rope(
-        string(springs=KAPPA), {KAPPA: 400, Omega: 2.2}, 0.005, 3, [-0.4, 0.0], [0.0, 0.7]
-    )
-    assert np.all(np.abs(result.profile[:, 1]) < 1e-15)
+def test_the_profile_meets_the_springs_and_goes_on_beyond() -> None:
+    at = {KAPPA: 400, Omega: 2.2}
+    s = np.array([-0.4, -1e-3, 0.0, 1e-3, 0.2])
+    result = evaluate_rope(string(springs=KAPPA), at, 0.005, 3, s, [0.0, 0.7])
+    assert np.all(np.abs(result.profile[:, 2]) < 1e-15)
     assert np.all(result.profile[:, 0] > 0.1)
+    # No kink: the second difference is the jump of nothing, W″ = 2 on both sides.
+    assert np.all(np.abs(result.profile[:, 1] + result.profile[:, 3] - 2e-6) < 1e-6)
+    still = evaluate_rope(string(springs=KAPPA), at, 0.0, 1, [0.05, 0.3], [0.0])
+    assert np.allclose(still.profile, -(1 - np.exp(-20 * np.array([0.05, 0.3]))) / 200, atol=1e-14)
+    with pytest.raises(InputError, match="beyond the contact point"):
+        evaluate_rope(string(), {Omega: 2.2}, 0.005, 3, [0.1], [0.0])
+
+
+@pytest.mark.parametrize("kappa", [2.0, 60.0])
+def test_waves_beyond_obey_the_equation_there(kappa: float) -> None:
+    """W_ττ = W_ξξ − 2 − κW at s > 0, by differences in a fixed frame; order 4, small ε."""
+    rope, at, size = string(springs=KAPPA), {KAPPA: kappa, Omega: 2.2}, 2e-3
+    tau, place, h = 0.9, 1.1, 4e-3
+    times = np.array([tau - h, tau, tau + h])
+    contact = evaluate_rope(rope, at, size, 4, [], times).contact
+    around = place + h * np.array([-1.0, 0.0, 1.0])
+    W = evaluate_rope(rope, at, size, 4, around[None, :] - contact[:, None], times).profile
+    moved = (W[2, 1] - 2 * W[1, 1] + W[0, 1]) / h**2
+    bent = (W[1, 2] - 2 * W[1, 1] + W[1, 0]) / h**2
+    left = moved - bent + 2 + kappa * W[1, 1]
+    assert abs(moved) > 1e-4
+    assert abs(left) < 2e-2 * abs(moved) + 1e-7
 
 
 def test_bad_springs_are_refused() -> None:
