@@ -5,7 +5,7 @@
 ``exact_string``     the string without bending: ``characteristics`` from rest, for any Z(τ);
                      ``thresholds``, many Ω and ε at once; ``invariant_circle``, the periodic state
 ``exact_solutions``  what the simulator must agree with
-``periodic``         periodic states of any linear rope, by collocation
+``periodic``         periodic states of any linear rope, by modes or by collocation
 ``simulation``       ``semi_discrete`` (nodes and forces) → ``trapezoidal`` or ``verlet`` (a step,
                      read by ``observables``) → ``contact`` (the simulator) → ``run`` (what is kept
                      of it); ``penalty`` is the same rope for ``scipy.integrate.solve_ivp``

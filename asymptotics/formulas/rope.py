@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import sympy
@@ -152,6 +152,7 @@ class _SecondOrder:
             )
         self.rope = rope
         self.place = sympy.Symbol("xi_0")
+        self.static, self.value = cache(self._static), cache(self._value)
 
     def rates(self, j: int) -> list[sympy.Expr]:
         """c_0, c_1, c_2 at harmonic j, or its conjugate −j."""
@@ -161,7 +162,7 @@ class _SecondOrder:
             found[k] += c * rate**t
         return [sympy.expand(c) for c in found]
 
-    def static(self, d: int) -> sympy.Expr:
+    def _static(self, d: int) -> sympy.Expr:
         """a_d, from ℓ at ξ₀."""
         c0, c1, c2 = self.rates(0)
         xi, load = self.rope.letters.xi, self.rope.equation.right
@@ -171,7 +172,7 @@ class _SecondOrder:
             tower.append((pull - c1 * tower[-1] - c0 * tower[-2]) / c2)
         return tower[d]
 
-    def value(self, generator: Generator) -> sympy.Expr:
+    def _value(self, generator: Generator) -> sympy.Expr:
         """The generator's expression."""
         if generator.kind == "static":
             return self.static(generator.derivative) / self.static(2)

@@ -71,4 +71,4 @@ def test_bad_requests() -> None:
     with pytest.raises(InputError, match="no value"):
         free_frequencies(beam(), {}, 1)
     with pytest.raises(InputError, match="is lost"):
-        free_frequencies(string(damping=40.0), {}, 1)
+        free_frequencies(string(damping=5.0), {}, 1)

@@ -162,6 +162,7 @@ def test_enclosures_hold_the_solution_where_terms_are_few() -> None:
         assert (value - acb(exact)).contains(0)
 
 
+@pytest.mark.slow
 def test_a_beam_of_varying_mass_against_the_simulator() -> None:
     """β = .05, m = 1 + ξ/5, T = 1 + ξ/10: ξ_c of the simulated rope, to its grid's error.
 
