@@ -245,7 +245,8 @@ class _Inverse:
         root = start
         for factor in np.linspace(0, 1, _STEPS + 1)[1:].tolist():
             root, error = self._secant(root, factor)
-            if not np.isfinite(error):
+            # Overdamped, it goes on as two decays without oscillation, neither of them this one.
+            if not np.isfinite(error) or root.real < 1e-6 * abs(root):
                 raise InputError(
                     f"{self.rope}: the free frequency that is {start.real:.6g} without damping is "
                     f"lost when {factor:.0%} of it are there; give less, or ask for fewer"
