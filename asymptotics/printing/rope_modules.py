@@ -8,7 +8,6 @@ impedances themselves, from the equation.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from importlib.resources import files
 from math import lcm
@@ -188,8 +187,7 @@ def _at_parameters(expression: sympy.Expr) -> sympy.Expr:
 
 def _python(expression: sympy.Expr) -> str:
     """As NumPy code; integers as floats, so that powers of them stay numbers."""
-    text = NumPyPrinter({"fully_qualified_modules": False}).doprint(_at_parameters(expression))
-    text = re.sub(r"\b(exp|log|sqrt|sin|cos|tan|sinh|cosh|tanh|pi)\b(?!\")", r"np.\1", text)
+    text = NumPyPrinter().doprint(_at_parameters(expression)).replace("numpy.", "np.")
     return f"{float(expression)!r}" if expression.is_Rational else text
 
 

@@ -60,6 +60,13 @@ ROPES: dict[str, tuple[MovingContact, dict[str, float]]] = {
         beam(driven_end="clamped", damping=ZETA, drive={1: (1, 0), 3: (0.2, 0.5)}),
         {"Omega": 2.2, "beta": 0.01, "zeta": 0.1},
     ),
+    "functions of parameters": (
+        string(
+            foundation=sp.exp(1) * KAPPA + sp.pi / 100 + sp.sqrt(KAPPA) * sp.tanh(KAPPA),
+            drive={1: (sp.exp(-PHI), 0), 2: (sp.cosh(PHI) / 5, PHI)},
+        ),
+        {"Omega": 1.2, "kappa": 0.3, "phi": 0.4},
+    ),
     "guided beam": (guided(), {"Omega": 1.3, "beta": 0.05, "s": 18.0}),
     "beam on a slope with a foundation": (
         beam(foundation=KAPPA, ground=xi / 10),
