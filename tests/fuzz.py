@@ -48,12 +48,22 @@ def _files(*suffixes: str) -> tuple[str, ...]:
     return (*names, "new/folder/x." + suffixes[0], "/dev/full", "/nonexistent/x.bmp", ".", "")
 
 
+DRIVEN = 'driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]\n'
+PROBLEMS = {
+    "founded.toml": 'equation = "W_tautau = W_xixi - 2 - kappa*W"\ncontact = ["W", "W_xi"]\n'
+    f"{DRIVEN}[parameters]\nkappa = 1.7\n",
+    "springs.toml": 'equation = "W_tautau = W_xixi - 2"\ncontact = ["W"]\nsprings = "kappa"\n'
+    f"{DRIVEN}[parameters]\nkappa = 40\n",
+    "varying.toml": 'equation = "W_tautau = (1 + kappa*xi)*W_xixi + kappa*W_xi - 2"\n'
+    f'contact = ["W", "W_xi"]\n{DRIVEN}[parameters]\nkappa = 0.2\n',
+}
 PICTURE = _files("png", "svg", "pdf")
 COMMON = {"--plot": PICTURE, "--json": FLAG}
 ROPE = {
     "--beta": BETA, "--driven-end": END, "--damping": ("0", "0.1", "1e3"),
     "--drive": ("1: 1", "1: 1, 3: 0.2@0.5", "0: 0.1, 2: 1", "1", "1: 1e400", "1:1,1:1", "9999: 1"),
-    "--problem": ("none.toml", "/dev/zero", "."), "--set": ("kappa=2", "kappa"),
+    "--problem": ("none.toml", "/dev/zero", ".", "founded.toml", "springs.toml", "varying.toml"),
+    "--set": ("kappa=2", "kappa", "kappa=-1e9", "kappa=1e300", "kappa=nan", "lambda=1"),
 }  # fmt: skip
 UNITS = {"--hz": ("1.2", "0", "1e300"), "--height": ("0.81", "-1", "1e-300")}
 POLYNOMIALS = ("1", "1,0.1", "0,0.02", "1,-1", "0", "1,,2", "0,1e308")
@@ -199,6 +209,8 @@ def _live(words: list[str], out: Path, err: Path, folder: Path, memory: int) -> 
         sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
         sys.stderr = open(2, "w", encoding="utf-8", closefd=False, buffering=1)  # noqa: SIM115
         os.chdir(folder)
+        for name, text in PROBLEMS.items():
+            Path(name).write_text(text, encoding="utf-8")
         os.environ["ROPEWAVE_CACHE"] = str(folder / "cache")
         resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
         warnings.simplefilter("default")  # the tests make errors of them
