@@ -45,6 +45,7 @@ _ALGEBRA = {
     "problems.symbols": "Omega W epsilon tau xi",
     "problems.written": "read_problem",
     "resonances.folds": "Fold fold",
+    "resonances.parametric_tongue": "ParametricTongue parametric_tongue",
     "resonances.rope_fold": "RopeFold rope_fold",
     "resonances.rationals": "nonlinear_resonances stiff_limit weak_bending",
     "resonances.tongues": "Tongue tongue",

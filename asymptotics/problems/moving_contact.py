@@ -92,6 +92,12 @@ class MovingContact:
         return any(t % 2 for terms in statements for _, t in terms)
 
     @property
+    def depends_on_frequency(self) -> bool:
+        """Whether Ω stands in a coefficient, or in the size of the drive."""
+        names = {symbol.name for e in self._expressions() for symbol in e.free_symbols}
+        return "Omega" in names
+
+    @property
     def parameters(self) -> tuple[str, ...]:
         """The names that need a value, Ω the last."""
         known, names = self.letters, set()

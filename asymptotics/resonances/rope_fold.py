@@ -35,6 +35,7 @@ from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
 from asymptotics.expansion.reduced_equation import PolynomialRing, left_over
 from asymptotics.problems.contact_problem import Enclosed, enclosed_problem
+from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.free_frequencies import free_frequencies
 from asymptotics.problems.fundamental import product, solve
 from asymptotics.problems.moving_contact import MovingContact
@@ -43,6 +44,7 @@ from asymptotics.rings.harmonics import reachable
 from asymptotics.rings.precision import PrecisionError, at_precision
 
 LARGEST_Q = 8
+_MOST_P = 200
 _BITS = (160, 320, 640, 1280, 2560, 5120)
 _NARROW = 2.0**-52
 
@@ -136,21 +138,14 @@ def rope_fold(rope: MovingContact, at: Mapping[Any, Any], p: int, q: int) -> Rop
     >>> round(found.F, 5), round(found.alpha, 5)
     (-1.73159, -3.89146)
     """
-    for name, value, most in (("p", p, 200), ("q", q, LARGEST_Q)):
-        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
-            raise InputError(f"{name} = {value!r}; give a whole number from 1 to {most}")
-    if rope.irreversible:
-        raise InputError(f"{rope}: folds are found of ropes without damping or gyroscopic terms")
-    given = {
-        str(getattr(key, "name", key)): value for key, value in at.items() if str(key) != "Omega"
-    }
-    start = float(free_frequencies(rope, given, p).values[p - 1])
+    if isinstance(q, bool) or not isinstance(q, int) or not 1 <= q <= LARGEST_Q:
+        raise InputError(f"q = {q!r}; give a whole number from 1 to {LARGEST_Q}")
+    values, start = reducible(rope, at, p)
     drive = sorted({abs(j) for c in rope.driven_end for j in c.drive})
     orders = [n for n in range(1, 2 * LARGEST_Q) if q in reachable(drive, n)]
     if not orders:
         raise InputError(f"harmonic {q} is not excited by a drive of harmonics {drive}")
     excited = orders[0]
-    values = rope.values({**given, "Omega": 1})
     for bits in _BITS:
         with at_precision(bits):
             try:
@@ -164,6 +159,32 @@ def rope_fold(rope: MovingContact, at: Mapping[Any, Any], p: int, q: int) -> Rop
         f"the amplitude equation at omega_{p}/{q} of {rope} is lost in {_BITS[-1]} bits: another "
         "resonance is too close"
     )
+
+
+def reducible(
+    rope: MovingContact, at: Mapping[Any, Any], p: int
+) -> tuple[dict[str, Fraction], float]:
+    """The values of a rope whose resonances have one real amplitude, and its ω_p in doubles.
+
+    Raises
+    ------
+    InputError
+        The rope is damped or gyroscopic, or driven by sines; p is not from 1 to 200; bad values.
+    """
+    if isinstance(p, bool) or not isinstance(p, int) or not 1 <= p <= _MOST_P:
+        raise InputError(f"p = {p!r}; give a whole number from 1 to {_MOST_P}")
+    given = {
+        str(getattr(key, "name", key)): value for key, value in at.items() if str(key) != "Omega"
+    }
+    values = rope.values({**given, "Omega": 1})
+    start = float(np.real(free_frequencies(rope, given, p).values[p - 1]))
+    drives = [enclose(a, values) for c in rope.driven_end for a in c.drive.values()]
+    if rope.irreversible or not all(a.imag.contains(0) for a in drives):
+        raise InputError(
+            f"{rope}: one real amplitude is enough without damping and gyroscopic terms, driven by "
+            "cosines only; choose the time so that no phase is left"
+        )
+    return values, start
 
 
 def _exact(ball: arb) -> Fraction:
@@ -180,7 +201,7 @@ def _exact(ball: arb) -> Fraction:
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
-class _Resonant:
+class Resonant:
     """One rope at rational frequencies next to a resonance."""
 
     def __init__(self, rope: MovingContact, values: Mapping[str, Fraction], q: int) -> None:
@@ -213,22 +234,26 @@ class _Resonant:
         """D at the angular frequency ``rate`` = qΩ."""
         return self.exchanged(self.at(rate))[1][0].real
 
+    def resonance(self, rate: Fraction) -> tuple[Fraction, arb]:
+        """ω_p next to ``rate``, and D′ there, in the precision of the moment."""
+        step = Fraction(1, 2 ** (ctx.prec // 3))
+        for _ in range(ctx.prec.bit_length()):
+            below, here, above = (self.detuning(rate + d * step) for d in (-1, 0, 1))
+            slope = (above - below) / (2 * arb(step.numerator) / arb(step.denominator))
+            rate = _exact(arb(rate.numerator) / arb(rate.denominator) - here / slope)
+        # The next term of the difference quotient, D‴ step²/6, from D″ as it is seen.
+        curved = abs(above - 2 * here + below) / (arb(step.numerator) / arb(step.denominator))
+        widened = slope.rad() + curved.upper() * arb(2) ** (-ctx.prec // 4)
+        return rate, arb(slope.mid(), widened)
+
 
 def _coefficients(
     rope: MovingContact, values: Mapping[str, Fraction], start: float, q: int, excited: int
 ) -> list[tuple[float, float]]:
     """ω_p, F, α, γ with errors, in the precision of the moment."""
-    resonant = _Resonant(rope, values, q)
-    rate = Fraction(start)
-    step = Fraction(1, 2 ** (ctx.prec // 3))
-    for _ in range(ctx.prec.bit_length()):
-        below, here, above = (resonant.detuning(rate + d * step) for d in (-1, 0, 1))
-        slope = (above - below) / (2 * arb(step.numerator) / arb(step.denominator))
-        rate = _exact(arb(rate.numerator) / arb(rate.denominator) - here / slope)
-    # The next term of the difference quotient, D‴ step²/6, from D″ as it is seen.
-    curved = abs(above - 2 * here + below) / (arb(step.numerator) / arb(step.denominator))
-    slope = arb(slope.mid(), slope.rad() + curved.upper() * arb(2) ** (-ctx.prec // 4))
-    G = _reduced(resonant, rate, q, max(3, excited, q if q == 1 else 3))
+    resonant = Resonant(rope, values, q)
+    rate, slope = resonant.resonance(Fraction(start))
+    G = reduced(resonant, rate, q, max(3, excited, q if q == 1 else 3))
     leading = resonant.at(rate).static.derivative(rope.contact_order).real
     amplitude = -2 / leading
     third = [*G[2], *[arb(0)] * 4]
@@ -243,7 +268,7 @@ def _coefficients(
     ]
 
 
-def _reduced(resonant: _Resonant, rate: Fraction, q: int, order: int) -> list[list[arb]]:
+def reduced(resonant: Resonant, rate: Fraction, q: int, order: int) -> list[list[arb]]:
     """G through an order, at Ω = rate/q."""
     values = tuple(sorted({**resonant.values, "Omega": rate / q}.items()))
     base: Problem[Any] = enclosed_problem(resonant.rope, values)

@@ -15,8 +15,19 @@ from derivations.commands.options import (
     OrderOption,
     PlotOption,
 )
-from derivations.commands.ropes import DampingOption, DriveOption, ProblemOption, SetOption, asked
+from derivations.commands.ropes import (
+    Asked,
+    BendingOption,
+    DampingOption,
+    DriveOption,
+    ProblemOption,
+    SetOption,
+    asked,
+)
+from derivations.commands.ropes import EndOption as BendingEndOption
 from derivations.output import show, wrote
+
+_TONGUE_ORDER = 3
 
 Ratio = Annotated[str, typer.Argument(metavar="P/Q", help="The resonance, e.g. 1/2.")]
 
@@ -84,23 +95,70 @@ def _of_rope(
 
 def tongue(
     ratio: Ratio,
-    order: OrderOption = 3,
+    order: OrderOption = _TONGUE_ORDER,
+    subharmonic: Annotated[
+        int, typer.Option(metavar="S", min=1, max=2, help="2: the parametric tongue at 2ω_p.")
+    ] = 1,
+    beta: BendingOption = None,
+    driven_end: BendingEndOption = None,
+    problem: ProblemOption = None,
+    values: SetOption = None,
+    drive: DriveOption = None,
     plot: PlotOption = None,
     latex: LatexOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The tongue of p/q where the order-N expansion touches the ground, and its limit law."""
+    """The tongue of p/q where the order-N expansion touches the ground, and its limit law.
+
+    With p/1 --subharmonic 2 and a rope by --beta, --drive or --problem: the tongue at Ω = 2ω_p in
+    which that rope, undamped, answers with half the frequency.
+    """
+    from asymptotics.errors import InputError
     from asymptotics.resonances.tongues import parse_fraction
     from asymptotics.resonances.tongues import tongue as compute
     from derivations.reports import tongues as report
 
     check_extras(latex, plot)
+    rope = asked(problem, values, beta, driven_end, None, drive)
+    if rope is not None or subharmonic == 2:
+        if order != _TONGUE_ORDER:
+            raise InputError("--order is of the string's tongues; leave it out")
+        _parametric(ratio, rope, subharmonic, latex or plot, as_json)
+        return
     p, q = parse_fraction(ratio)
     result = compute(p, q, order)
     if plot is not None:
         report.plot_tongues([(p, q)], result.order, plot)
     show(report.as_json(result), report.as_text(result), as_json)
     write_extras(latex, report.latex_table([result]), plot)
+
+
+def _parametric(
+    ratio: str, rope: Asked | None, subharmonic: int, file: Path | None, as_json: bool
+) -> None:
+    """The tongue at 2ω_p of any undamped rope but the string."""
+    from asymptotics.errors import InputError
+    from asymptotics.resonances.parametric_tongue import parametric_tongue, tongue_in_words
+
+    if subharmonic != 2:
+        raise InputError(
+            "the tongues p/q in which the rope touches the ground are the string's; of other ropes "
+            "there are the one at 2 omega_p, by p/1 --subharmonic 2, and ropewave fold"
+        )
+    if rope is None:
+        raise InputError(
+            "on the string all multiples of omega_p resonate with it, and one amplitude is not "
+            "enough; give --beta > 0, or a rope of your own by --problem"
+        )
+    if file is not None:
+        raise InputError("--plot and --latex are of the string's tongues; here there is --json")
+    p, _, q = ratio.partition("/")
+    if not (p.isdigit() and len(p) < 5 and q == "1"):
+        raise InputError(f"{ratio!r}: with --subharmonic 2 give p/1, as 1/1 for Omega = 2 omega_1")
+    at = {name: x for name, x in rope.at.items() if name != "Omega"}
+    found = parametric_tongue(rope.rope, at, int(p))
+    fields = {**found.as_json(), "problem": str(rope.rope)}
+    show(fields, "\n".join([str(rope.rope), *tongue_in_words(found)]), as_json)
 
 
 def fold(
