@@ -69,6 +69,22 @@ def axis(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return array
 
 
+def whole_number(name: str, value: Any, most: int) -> int:
+    """A whole number from 1 to ``most``, for p, q and counts.
+
+    Raises
+    ------
+    InputError
+        Anything else.
+
+    >>> whole_number("q", 3, 8)
+    3
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
+        raise InputError(f"{name} = {value!r}; give a whole number from 1 to {most}")
+    return value
+
+
 def check_order(order: Any) -> int:
     """The order as an int ≥ 1, or an :class:`InputError` that says what is allowed."""
     if isinstance(order, bool) or not hasattr(order, "__index__"):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asymptotics.checks import check_order
+from asymptotics.checks import check_order, whole_number
 from asymptotics.errors import InputError, ResonanceError
 from asymptotics.problems.marching import characteristic, impedances
 from asymptotics.problems.moving_contact import MovingContact
@@ -108,8 +108,7 @@ def free_frequencies(rope: MovingContact, at: Mapping[Any, Any], count: int = 5)
     >>> bool(abs(ring**2 - 0.2j * ring - np.pi**2) < 1e-9)
     True
     """
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= _MOST:
-        raise InputError(f"count = {count!r}; give a whole number from 1 to {_MOST}")
+    whole_number("count", count, _MOST)
     if rope.springs != 0 or rope.varying:
         raise InputError(
             f"{rope}: free frequencies are found for constant coefficients and a ground that does "

@@ -94,17 +94,17 @@ class MovingContact:
     @property
     def depends_on_frequency(self) -> bool:
         """Whether Ω stands in a coefficient, or in the size of the drive."""
-        names = {symbol.name for e in self._expressions() for symbol in e.free_symbols}
-        return "Omega" in names
+        return "Omega" in self._names()
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """The names that need a value, Ω the last."""
-        known, names = self.letters, set()
-        for expression in self._expressions():
-            names |= {symbol.name for symbol in expression.free_symbols}
+        known, names = self.letters, self._names()
         reserved = {known.xi.name, known.tau.name, "epsilon", "Omega"}
         return (*sorted(names - reserved), "Omega")
+
+    def _names(self) -> set[str]:
+        return {symbol.name for e in self._expressions() for symbol in e.free_symbols}
 
     def _expressions(self) -> list[sympy.Expr]:
         found = [*self.equation.terms.values(), self.equation.right, self.ground, self.springs]

@@ -45,7 +45,7 @@ ORDER = 5
 _BITS = 320
 # The search for the range: from here down until the law holds, then up as long as it does.
 _FIRST, _LEAST, _MOST = 2.0**-14, 2.0**-40, 0.25
-# Secant steps; the first guess is the law, the second the distance of its half-width.
+# Secant steps; from the law, and a sixteenth of its half-width further up.
 _STEPS, _TOLD = 30, 1e-12
 
 

@@ -31,6 +31,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import acb, arb, arb_poly, ctx
 
+from asymptotics.checks import whole_number
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
 from asymptotics.expansion.reduced_equation import PolynomialRing, left_over
@@ -138,8 +139,7 @@ def rope_fold(rope: MovingContact, at: Mapping[Any, Any], p: int, q: int) -> Rop
     >>> round(found.F, 5), round(found.alpha, 5)
     (-1.73159, -3.89146)
     """
-    if isinstance(q, bool) or not isinstance(q, int) or not 1 <= q <= LARGEST_Q:
-        raise InputError(f"q = {q!r}; give a whole number from 1 to {LARGEST_Q}")
+    whole_number("q", q, LARGEST_Q)
     values, start = reducible(rope, at, p)
     drive = sorted({abs(j) for c in rope.driven_end for j in c.drive})
     orders = [n for n in range(1, 2 * LARGEST_Q) if q in reachable(drive, n)]
@@ -171,20 +171,18 @@ def reducible(
     InputError
         The rope is damped or gyroscopic, or driven by sines; p is not from 1 to 200; bad values.
     """
-    if isinstance(p, bool) or not isinstance(p, int) or not 1 <= p <= _MOST_P:
-        raise InputError(f"p = {p!r}; give a whole number from 1 to {_MOST_P}")
+    whole_number("p", p, _MOST_P)
     given = {
         str(getattr(key, "name", key)): value for key, value in at.items() if str(key) != "Omega"
     }
     values = rope.values({**given, "Omega": 1})
-    start = float(np.real(free_frequencies(rope, given, p).values[p - 1]))
     drives = [enclose(a, values) for c in rope.driven_end for a in c.drive.values()]
     if rope.irreversible or not all(a.imag.contains(0) for a in drives):
         raise InputError(
             f"{rope}: one real amplitude is enough without damping and gyroscopic terms, driven by "
             "cosines only; choose the time so that no phase is left"
         )
-    return values, start
+    return values, float(free_frequencies(rope, given, p).values[p - 1])
 
 
 def _exact(ball: arb) -> Fraction:
@@ -253,7 +251,7 @@ def _coefficients(
     """ω_p, F, α, γ with errors, in the precision of the moment."""
     resonant = Resonant(rope, values, q)
     rate, slope = resonant.resonance(Fraction(start))
-    G = reduced(resonant, rate, q, max(3, excited, q if q == 1 else 3))
+    G = reduced(resonant, rate, q, max(3, excited))
     leading = resonant.at(rate).static.derivative(rope.contact_order).real
     amplitude = -2 / leading
     third = [*G[2], *[arb(0)] * 4]
@@ -272,7 +270,8 @@ def reduced(resonant: Resonant, rate: Fraction, q: int, order: int) -> list[list
     """G through an order, at Ω = rate/q."""
     values = tuple(sorted({**resonant.values, "Omega": rate / q}.items()))
     base: Problem[Any] = enclosed_problem(resonant.rope, values)
-    data, by_b, driven = resonant.exchanged(resonant.at(rate))
+    made = resonant.at(rate)
+    data, by_b, driven = resonant.exchanged(made)
     ring, b = PolynomialRing(), arb_poly([0, 1])
 
     def lift(row: Sequence[Any]) -> tuple[Any, ...]:
@@ -284,7 +283,7 @@ def reduced(resonant: Resonant, rate: Fraction, q: int, order: int) -> list[list
             known = base.mode(j)
             rows = tuple(lift(row) for row in known.impedance)
             return Mode(lift(known.reduction), rows, lift(known.source))
-        coefficients = resonant.at(rate).propagator(q).coefficients
+        coefficients = made.propagator(q).coefficients
         r = len(coefficients) - 1
         reduction = [-c / coefficients[r] for c in coefficients[:r]]
         rows = (lift([0] * r), *(lift(row) for row in data))

@@ -88,8 +88,7 @@ def _of_rope(
         )
     rope = asked(problem, values, beta, driven_end, damping, None)
     assert rope is not None
-    at = {name: x for name, x in rope.at.items() if name != "Omega"}
-    found = free_frequencies(rope.rope, at, count)
+    found = free_frequencies(rope.rope, rope.at, count)
     show(report.as_json(rope.rope, found, order), report.as_text(rope.rope, found, order), as_json)
 
 
@@ -155,8 +154,7 @@ def _parametric(
     p, _, q = ratio.partition("/")
     if not (p.isdigit() and len(p) < 5 and q == "1"):
         raise InputError(f"{ratio!r}: with --subharmonic 2 give p/1, as 1/1 for Omega = 2 omega_1")
-    at = {name: x for name, x in rope.at.items() if name != "Omega"}
-    found = parametric_tongue(rope.rope, at, int(p))
+    found = parametric_tongue(rope.rope, rope.at, int(p))
     fields = {**found.as_json(), "problem": str(rope.rope)}
     show(fields, "\n".join([str(rope.rope), *tongue_in_words(found)]), as_json)
 
@@ -220,8 +218,7 @@ def _fold_of_rope(
         raise InputError(f"{ratio!r} is not p/q with whole numbers p and q, such as 1/2")
     rope = asked(problem, values, beta, driven_end, None, drive)
     assert rope is not None
-    at = {name: x for name, x in rope.at.items() if name != "Omega"}
-    found = rope_fold(rope.rope, at, int(p), int(q))
+    found = rope_fold(rope.rope, rope.at, int(p), int(q))
     lines = [
         str(rope.rope),
         f"omega_{p} = {found.frequency:.12g}, resonance at Omega = {found.frequency / int(q):.12g}",

@@ -1,4 +1,4 @@
-"""The parametric tongue at 2ω_p, against Mathieu's equation, states and other drives."""
+"""The parametric tongue at 2ω_p, against Mathieu's equation, multipliers and other drives."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import sympy as sp
 
 from asymptotics import expand
 from asymptotics.errors import InputError
+from asymptotics.problems.moving_contact import moving_contact
 from asymptotics.problems.presets import beam, string
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 from asymptotics.resonances.fold_range import ACCURACY
@@ -97,6 +98,8 @@ def test_refusals(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
             refused(phase, {"beta": 0.01}, 1)
         with pytest.raises(InputError, match="without damping"):
             refused(beam(damping=0.1), {"beta": 0.01}, 1)
+        with pytest.raises(InputError, match="without damping"):  # not: overdamped
+            refused(beam(damping=50), {"beta": 0.01}, 1)
         with pytest.raises(InputError, match="from 1 to 200"):
             refused(beam(), {"beta": 0.01}, 0)
     with pytest.raises(InputError, match="has none"):
@@ -131,8 +134,6 @@ def test_refusals(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
 
 def test_frequency_in_the_size_of_the_drive_is_refused() -> None:
     """A shaken acceleration Ω²cos Ωτ has another size at another Ω."""
-    from asymptotics.problems.moving_contact import moving_contact
-
     rope = moving_contact(
         equation=sp.Eq(W.diff(tau, 2), W.diff(xi, 2) - 2 - KAPPA * W),
         driven_end=[sp.Eq(W, 1 + epsilon * Omega**2 * sp.cos(Omega * tau))],
