@@ -1,6 +1,6 @@
 """A reader's own rope on trial: its expansion beside periodic states that are not expanded.
 
-The state (:mod:`numerics.periodic.modes`, or :mod:`numerics.periodic.collocation` where
+The state (:mod:`numerics.periodic.states`, or :mod:`numerics.periodic.collocation` where
 coefficients vary along the rope) knows of the equation, the conditions and of ξ₀, where it starts,
 and of nothing else. Its floor is its distance from the one on fewer times and points.
 """
@@ -19,8 +19,9 @@ from asymptotics.expansion.order_loop import Expansion, expand
 from asymptotics.problems.moving_contact import MovingContact
 from derivations.cross_check.data import Comparison, Errors
 from derivations.cross_check.forms import Array, largest_amplitudes, rms
-from numerics.periodic import modes
-from numerics.periodic.collocation import LinearRope, NoPeriodicStateError, periodic_contact
+from numerics.periodic import states
+from numerics.periodic.collocation import periodic_contact
+from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError
 
 KEEP = 3.0
 """Floors that an error must exceed: it adds as a square, and is 5 % of the error then."""
@@ -159,7 +160,7 @@ def against_states(
 
 def _by_modes(rope: LinearRope, epsilon: float, times: int, points: int) -> Array:
     """Modes need no points."""
-    return modes.periodic_contact(rope, epsilon, times)
+    return states.periodic_contact(rope, epsilon, times)
 
 
 def _size(series: Expansion[Any], n: int) -> float:

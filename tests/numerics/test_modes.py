@@ -10,8 +10,8 @@ import pytest
 from numerics.errors import InputError
 from numerics.exact_string.invariant_circle import invariant_circle
 from numerics.periodic import collocation
-from numerics.periodic.collocation import LinearRope, NoPeriodicStateError, Terms
-from numerics.periodic.modes import periodic_contact
+from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError, Terms
+from numerics.periodic.states import periodic_contact
 from tests.validation.two_sided_states import contact_of
 
 OMEGA = 2.2

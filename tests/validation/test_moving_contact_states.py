@@ -13,7 +13,8 @@ import sympy as sp
 from asymptotics import expand, prove
 from asymptotics.problems.moving_contact import MovingContact, moving_contact
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
-from numerics.periodic.collocation import LinearRope, Terms, periodic_contact
+from numerics.periodic.collocation import periodic_contact
+from numerics.periodic.linear_rope import LinearRope, Terms
 
 OMEGA = 2.2
 kappa, beta, rho, v, gamma, zeta, eta = sp.symbols("kappa beta rho v gamma zeta eta")

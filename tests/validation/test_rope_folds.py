@@ -18,8 +18,9 @@ from asymptotics.resonances.folds import amplitude_equation
 from asymptotics.resonances.rope_fold import RopeFold, rope_fold
 from derivations.app import main
 from derivations.cross_check.ropes import in_numbers
-from numerics.periodic.collocation import LinearRope, settled
-from numerics.periodic.modes import State
+from numerics.periodic.linear_rope import LinearRope
+from numerics.periodic.modes import Modes
+from numerics.periodic.states import solve
 
 KAPPA = sp.Symbol("kappa")
 
@@ -67,13 +68,11 @@ def amplitude_of_state(
     stated: LinearRope, size: float, q: int, start: float, times: int = 17
 ) -> float:
     """The amplitude of cos qθ in ξ_c of the periodic state that Newton finds from a given one."""
-    phase = 2 * np.pi * np.arange(times) / times
-    state = State(stated, size, times)
-    guess = start * np.cos(q * phase)
-    moved = settled(lambda contact: state.left(contact + guess), stated.rest, times)
-    assert moved is not None
-    contact = moved + guess
-    return float(2 * np.mean(contact * np.cos(q * phase)))
+    modes = Modes(stated, times)
+    wave = np.cos(q * modes.phase)
+    state = solve(modes, modes.start(stated.rest + start * wave, size), size)
+    assert state is not None
+    return float(2 * np.mean(state.values * wave))
 
 
 @pytest.mark.parametrize("name", ROPES)

@@ -1,0 +1,259 @@
+r"""Periodic states of ropes with constant coefficients, of the drive's period or a multiple.
+
+Newton's iteration on the equations of :mod:`numerics.periodic.modes`. How many harmonics a state
+needs is read off its own spectrum: their number grows by half until the last third of ξ_c's
+coefficients is rounding. The error is the distance to the state on half as many harmonics again.
+
+A state is looked for from the rope at rest, by way of smaller ε where that fails: what is found is
+the wave-less state that the expansion in ε describes. Others are reached along branches
+(:mod:`numerics.periodic.branches`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from numerics.errors import InputError
+from numerics.periodic.linear_rope import Array, LinearRope, NoPeriodicStateError
+from numerics.periodic.modes import Complex, Modes
+
+FIRST, MOST = 8, 192
+"""Harmonics to begin with, and to give up at."""
+
+_STEPS = 25
+# Relative size of coefficients that are rounding, with room for what m derivatives cost.
+_ROUNDING = 2e-13
+_HALVINGS = 12
+
+
+@dataclass(frozen=True)
+class PeriodicState:
+    """A periodic state.
+
+    Attributes
+    ----------
+    modes
+        The equations that it solves; among them the rope and s.
+    epsilon
+        ε.
+    unknown
+        Their solution.
+    residual
+        What is left of W − g and its m − 1 slopes at ξ_c, the largest at any of the times.
+    error
+        The largest distance of ξ_c from the state on half as many harmonics again; nan where it was
+        not computed.
+    """
+
+    modes: Modes
+    epsilon: float
+    unknown: Array
+    residual: float
+    error: float = math.nan
+
+    @property
+    def values(self) -> Array:
+        """ξ_c at the equal times ``modes.tau``."""
+        return self.unknown[-self.modes.times :]
+
+    @cached_property
+    def waves(self) -> Complex:
+        """c_j of ξ_c = Re Σ_j c_j e^{−ijΩτ/s}: cosines are the real parts, sines the others."""
+        found = np.conj(np.fft.rfft(self.values)) / self.modes.times
+        found[1:] *= 2
+        return np.asarray(found)
+
+    def contact(self, tau: Any) -> Array:
+        """ξ_c at any times."""
+        theta = self.modes.rope.omega / self.modes.subharmonic * np.asarray(tau, dtype=float)
+        j = np.arange(self.waves.size)
+        return np.asarray((np.exp(-1j * theta[..., None] * j) @ self.waves).real)
+
+    def shape(self, xi: Any, tau: Any, derivative: int = 0) -> Array:
+        """∂_ξ^d (W − g) at places and times; zero on the ground."""
+        x, t = np.broadcast_arrays(np.asarray(xi, dtype=float), np.asarray(tau, dtype=float))
+        lifted = x < self.contact(t)
+        found = np.zeros(x.shape)
+        found[lifted] = self.modes.shape(
+            self.unknown, self.epsilon, x[lifted], t[lifted], derivative
+        )
+        return found
+
+    @property
+    def even(self) -> bool:
+        """Whether ξ_c is a series of cosines."""
+        return bool(abs(self.waves.imag).max() <= 1e-10 * abs(self.waves).max())
+
+    def clearance(self, places: int = 60) -> float:
+        """The least of (W − g)/(1 − ξ/ξ_c)^m over places and times, part of what it is at rest.
+
+        Not positive where the rope would be in the ground: then this is no state of the rope.
+        """
+        modes, m = self.modes, self.modes.rope.contacts
+        s = (np.arange(places) + 0.5) / places
+        tau = np.linspace(0, modes.tau[-1] + modes.tau[1], 4 * modes.times, endpoint=False)
+        contact = self.contact(tau)
+
+        def quotient(ends: Array, times: Array, unknown: Array, epsilon: float) -> Array:
+            x, t = (ends[:, None] * s).ravel(), np.repeat(times, places)
+            lifted = modes.shape(unknown, epsilon, x, t).reshape(-1, places)
+            last = modes.shape(unknown, epsilon, ends, times, m) * (-ends) ** m / math.factorial(m)
+            return np.column_stack([lifted / (1 - s) ** m, last])
+
+        rest = np.full(modes.times, modes.rope.rest)
+        still = quotient(rest[:1], np.zeros(1), modes.start(rest, 0.0), 0.0)[0]
+        return float((quotient(contact, tau, self.unknown, self.epsilon) / still).min())
+
+
+def solve(modes: Modes, unknown: Array, epsilon: float) -> PeriodicState | None:
+    """Newton's iteration; None where it does not settle."""
+    rest = modes.rope.rest
+    before = np.inf
+    with np.errstate(all="ignore"):
+        for _ in range(_STEPS):
+            left, matrix, _ = modes.equations(unknown, epsilon)
+            try:
+                step = np.linalg.solve(matrix, -left)
+            except np.linalg.LinAlgError:
+                return None
+            size = float(abs(step[-modes.times :]).max())
+            if not size < rest:
+                return None
+            unknown = unknown + step
+            # Steps that no longer shrink are rounding, where they are small.
+            if size < 1e-13 * rest or (size >= before / 2 and size < 1e-8 * rest):
+                left, _, _ = modes.equations(unknown, epsilon)
+                return PeriodicState(modes, epsilon, unknown, float(abs(left).max()))
+            before = size
+    return None
+
+
+def periodic_contact(rope: LinearRope, epsilon: float, times: int) -> Array:
+    """ξ_c of the periodic state at ``times`` equal times of a period, from τ = 0.
+
+    Parameters
+    ----------
+    epsilon
+        ε.
+    times
+        Odd; harmonics up to (times − 1)/2 are resolved.
+
+    Raises
+    ------
+    InputError
+        A coefficient that varies, a wrong number of conditions, or an even number of times.
+    NoPeriodicStateError
+        The iteration does not settle: ε beyond the state's end.
+
+    Examples
+    --------
+    The string at rest, W = (1 − ξ)², and moved by ξ₁ = Ω/(2 sin Ω) cos Ωτ:
+
+    >>> ends = [({(0, 0): 1.0}, 1.0, lambda tau: np.cos(2.2 * tau))]
+    >>> string = LinearRope({(0, 2): 1.0, (2, 0): -1.0}, -2.0, ends, 2, 2.2, 1.0)
+    >>> moved = periodic_contact(string, 1e-3, 9)
+    >>> round(float(moved[0] - 1) / 1e-3, 2), round(1.1 / np.sin(2.2), 2)
+    (1.36, np.float64(1.36))
+    """
+    return _on(rope, epsilon, times, 1, None).values
+
+
+def _on(
+    rope: LinearRope, epsilon: float, times: int, subharmonic: int, near: PeriodicState | None
+) -> PeriodicState:
+    """The state on so many times: from a known one, from rest, or by way of smaller ε."""
+    modes = Modes(rope, times, subharmonic)
+    rest = np.full(times, rope.rest)
+    if near is not None:
+        found = solve(modes, modes.start(near.contact(modes.tau), epsilon), epsilon)
+        if found is not None:
+            return found
+    found = solve(modes, modes.start(rest, epsilon), epsilon)
+    reached, step, unknown = 0.0, epsilon / 2, modes.start(rest, 0.0)
+    for _ in range(4 * _HALVINGS):
+        if found is not None or abs(step) < abs(epsilon) / 2**_HALVINGS:
+            break
+        here = solve(modes, unknown, reached + step)
+        if here is None:
+            step /= 2
+            continue
+        reached, unknown = here.epsilon, here.unknown
+        if abs(epsilon - reached) <= abs(step) * (1 + 1e-9):
+            found = solve(modes, unknown, epsilon)
+            step /= 2
+    if found is None:
+        raise NoPeriodicStateError(
+            f"no periodic state found at epsilon = {epsilon!r} on {times} times, Omega = "
+            f"{rope.omega!r}; coming from rest the last one is at {reached:.6g}. Give a smaller "
+            "epsilon, or follow the branch"
+        )
+    return found
+
+
+def periodic_state(
+    rope: LinearRope, epsilon: float, subharmonic: int = 1, near: PeriodicState | None = None
+) -> PeriodicState:
+    """The periodic state at ε, with the harmonics it needs and an estimate of its error.
+
+    Parameters
+    ----------
+    rope
+        With constant coefficients; Ω is its own.
+    epsilon
+        ε, of either sign.
+    subharmonic
+        s: the period is s that of the drive, with ``near``; without, the state has the drive's
+        period whatever s is.
+    near
+        A state to begin from, in the place of rest.
+
+    Raises
+    ------
+    InputError
+        What modes are not for; ε or s out of range.
+    NoPeriodicStateError
+        There is none that the iteration finds, or none that :data:`MOST` harmonics resolve.
+
+    Examples
+    --------
+    >>> ends = [({(0, 0): 1.0}, 1.0, lambda tau: np.cos(2.2 * tau))]
+    >>> string = LinearRope({(0, 2): 1.0, (2, 0): -1.0}, -2.0, ends, 2, 2.2, 1.0)
+    >>> state = periodic_state(string, 0.02)
+    >>> state.even, state.error < 1e-12, state.clearance() > 0.5
+    (True, True, True)
+    """
+    if not math.isfinite(epsilon):
+        raise InputError(f"epsilon = {epsilon!r}; the drive's amplitude must be finite")
+    if subharmonic not in range(1, 9):
+        raise InputError(f"subharmonic = {subharmonic!r}; give a whole number from 1 to 8")
+    harmonics = FIRST * subharmonic
+    if near is not None:
+        harmonics = max(harmonics, resolved(near))
+    while True:
+        state = _on(rope, epsilon, 2 * harmonics + 1, subharmonic, near)
+        if resolved(state) <= 2 * harmonics // 3:
+            break
+        near, harmonics = state, harmonics + (harmonics + 1) // 2
+        if harmonics > MOST:
+            raise NoPeriodicStateError(
+                f"the state at epsilon = {epsilon!r}, Omega = {rope.omega!r} is not resolved by "
+                f"{MOST} harmonics; give a smaller epsilon"
+            )
+    finer = _on(rope, epsilon, 3 * harmonics + 1 + harmonics % 2, subharmonic, state)
+    tau = finer.modes.tau
+    error = float(abs(state.contact(tau) - finer.values).max())
+    return PeriodicState(
+        state.modes, epsilon, state.unknown, state.residual, max(error, state.residual)
+    )
+
+
+def resolved(state: PeriodicState) -> int:
+    """The last harmonic of ξ_c that is not rounding."""
+    size = abs(state.waves)
+    heard = np.flatnonzero(size > _ROUNDING * size.max() * math.sqrt(size.size))
+    return int(heard[-1])
