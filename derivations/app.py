@@ -31,6 +31,7 @@ from derivations.commands.options import (
     numbers_of,
     omega_of,
 )
+from derivations.commands.periodic import state
 from derivations.commands.ropes import (
     BendingOption,
     DampingOption,
@@ -285,6 +286,7 @@ app.command()(resonance_commands.fold)
 app.command()(simulation_commands.simulate)
 app.command()(threshold_command.threshold)
 app.command()(validate_command.validate)
+app.command()(state)
 app.command()(figure2_command.figure2)
 
 

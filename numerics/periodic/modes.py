@@ -241,7 +241,7 @@ class Modes:
             inverse = np.linalg.pinv(conditions)
             still.append(inverse @ (constant / size))
             driven.append(inverse @ (drive / size))
-        self.left = _Side(
+        self.left: _Side = _Side(
             solutions,
             free,
             (np.array(still), np.array(driven)),
@@ -249,9 +249,9 @@ class Modes:
             rope.rest,
             like.left.columns if like is not None else None,
         )
-        self.right = self._beyond(harmonics * base, like) if rope.springs else None
+        self.right: _Side | None = self._beyond(base * harmonics, like) if rope.springs else None
 
-    def _beyond(self, frequencies: Array, like: Modes | None) -> _Side:
+    def _beyond(self, frequencies: NDArray[Any], like: Modes | None) -> _Side:
         """The rope on the springs: what decays or leaves."""
         rope, r = self.rope, self.rope.order
         kept = []
@@ -338,8 +338,9 @@ class Modes:
 
     def shape(self, unknown: Array, epsilon: float, x: Array, tau: Array, d: int = 0) -> Array:
         """∂_ξ^d (W − g) of the lifted part at places and times of one length."""
-        wave = np.exp(1j * np.outer(self.rope.omega / self.subharmonic * tau, np.arange(
-            self.wave.shape[1])))
+        wave = np.exp(
+            1j * np.outer(self.rope.omega / self.subharmonic * tau, np.arange(self.wave.shape[1]))
+        )
         tables, every = self.left.tables(x, wave, d + 1)
         still, driven = self.left.forced
         forced = np.einsum("thr,hr->t", every[d], still + epsilon * driven).real

@@ -2,10 +2,10 @@ r"""Periodic states of ropes with constant coefficients, of the drive's period o
 
 Newton's iteration on the equations of :mod:`numerics.periodic.modes`. How many harmonics a state
 needs is read off its own spectrum: their number grows by half until the last third of ξ_c's
-coefficients is rounding. The error is the distance to the state on half as many harmonics again.
+coefficients is below 5e-12. The error is the distance to the state on half as many harmonics again.
 
-A state is looked for from the rope at rest, by way of smaller ε where that fails: what is found is
-the wave-less state that the expansion in ε describes. Others are reached along branches
+A state is reached from the rope at rest along its branch, in steps that pass no fold: what is found
+is the wave-less state that the expansion in ε describes. Others are reached along branches
 (:mod:`numerics.periodic.branches`).
 """
 
@@ -26,9 +26,11 @@ FIRST, MOST = 8, 192
 """Harmonics to begin with, and to give up at."""
 
 _STEPS = 25
-# Relative size of coefficients that are rounding, with room for what m derivatives cost.
-_ROUNDING = 2e-13
-_HALVINGS = 12
+# Relative size of coefficients that are left out. Rounding of what m derivatives cost is near it.
+_CHOPPED = 5e-12
+_HALVINGS = 8
+# More harmonics than this and a branch that ends is believed.
+_FOLDS_KNOWN = 60
 
 
 @dataclass(frozen=True)
@@ -166,33 +168,72 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int) -> Array:
 def _on(
     rope: LinearRope, epsilon: float, times: int, subharmonic: int, near: PeriodicState | None
 ) -> PeriodicState:
-    """The state on so many times: from a known one, from rest, or by way of smaller ε."""
-    modes = Modes(rope, times, subharmonic)
-    rest = np.full(times, rope.rest)
-    if near is not None:
-        found = solve(modes, modes.start(near.contact(modes.tau), epsilon), epsilon)
-        if found is not None:
-            return found
-    found = solve(modes, modes.start(rest, epsilon), epsilon)
-    reached, step, unknown = 0.0, epsilon / 2, modes.start(rest, 0.0)
-    for _ in range(4 * _HALVINGS):
-        if found is not None or abs(step) < abs(epsilon) / 2**_HALVINGS:
-            break
-        here = solve(modes, unknown, reached + step)
-        if here is None:
-            step /= 2
-            continue
-        reached, unknown = here.epsilon, here.unknown
-        if abs(epsilon - reached) <= abs(step) * (1 + 1e-9):
-            found = solve(modes, unknown, epsilon)
-            step /= 2
-    if found is None:
+    """The state on so many times: next to a known one, or the wave-less one."""
+    try:
+        return _found(Modes(rope, times, subharmonic), epsilon, near)
+    except np.linalg.LinAlgError as error:
         raise NoPeriodicStateError(
-            f"no periodic state found at epsilon = {epsilon!r} on {times} times, Omega = "
-            f"{rope.omega!r}; coming from rest the last one is at {reached:.6g}. Give a smaller "
-            "epsilon, or follow the branch"
+            f"the equations at epsilon = {epsilon!r}, Omega = {rope.omega!r} on {times} times are "
+            "singular: a harmonic resonates; move Omega"
+        ) from error
+
+
+def _found(modes: Modes, epsilon: float, near: PeriodicState | None) -> PeriodicState:
+    if near is not None:
+        contact = near.contact(modes.tau)
+        found = solve(modes, modes.start(contact, epsilon), epsilon)
+        if found is not None:
+            moved = float(np.ptp(contact))
+            # A tail that was missing is small; farther away is another state.
+            if abs(found.values - contact).max() <= 0.1 * moved:
+                return found
+    return _from_rest(modes, epsilon)
+
+
+def _from_rest(modes: Modes, epsilon: float) -> PeriodicState:
+    """Along the tangent of the branch that begins at rest, in steps that keep to it.
+
+    A step is kept when the correction is small beside it and no fold or branch point was passed:
+    the determinant of the equations keeps its sign.
+    """
+    rest = solve(modes, modes.start(np.full(modes.times, modes.rope.rest), 0.0), 0.0)
+    if rest is None:
+        raise NoPeriodicStateError(
+            f"no state of rest next to xi_0 = {modes.rope.rest:.6g} at Omega = "
+            f"{modes.rope.omega!r}; where a harmonic resonates move Omega"
         )
+    found, unknown = rest, rest.unknown
+    reached, step, side = 0.0, epsilon, None
+    while reached != epsilon:
+        _, matrix, rate = modes.equations(unknown, reached)
+        here = float(np.linalg.slogdet(matrix)[0])
+        side = here if side is None else side
+        tangent = np.linalg.solve(matrix, -rate)
+        while True:
+            target = epsilon if abs(epsilon - reached) <= abs(step) * (1 + 1e-9) else reached + step
+            ahead = unknown + (target - reached) * tangent
+            ended = solve(modes, ahead, target)
+            if ended is not None and _keeps(modes, ended, unknown, ahead, side):
+                break
+            step = (target - reached) / 2
+            if abs(step) < abs(epsilon) / 2**_HALVINGS:
+                raise NoPeriodicStateError(
+                    f"no wave-less state found at epsilon = {epsilon!r}, Omega = "
+                    f"{modes.rope.omega!r} on {modes.times} times: followed from rest it ends "
+                    f"between {reached:.6g} and {reached + 2 * step:.6g}. Give a smaller epsilon"
+                )
+        found, reached, unknown, step = ended, target, ended.unknown, 2 * step
     return found
+
+
+def _keeps(modes: Modes, found: PeriodicState, unknown: Array, ahead: Array, side: float) -> bool:
+    """Whether a step kept to its branch."""
+    contact = slice(-modes.times, None)
+    far = abs(ahead[contact] - unknown[contact]).max()
+    if abs(found.values - ahead[contact]).max() > 0.5 * far:
+        return False
+    _, matrix, _ = modes.equations(found.unknown, found.epsilon)
+    return float(np.linalg.slogdet(matrix)[0]) == side
 
 
 def periodic_state(
@@ -235,10 +276,17 @@ def periodic_state(
     if near is not None:
         harmonics = max(harmonics, resolved(near))
     while True:
-        state = _on(rope, epsilon, 2 * harmonics + 1, subharmonic, near)
-        if resolved(state) <= 2 * harmonics // 3:
-            break
-        near, harmonics = state, harmonics + (harmonics + 1) // 2
+        try:
+            state = _on(rope, epsilon, 2 * harmonics + 1, subharmonic, near)
+        except NoPeriodicStateError:
+            # Too few harmonics have folds of their own.
+            if harmonics > _FOLDS_KNOWN * subharmonic:
+                raise
+        else:
+            if resolved(state) <= 2 * harmonics // 3:
+                break
+            near = state
+        harmonics += (harmonics + 1) // 2
         if harmonics > MOST:
             raise NoPeriodicStateError(
                 f"the state at epsilon = {epsilon!r}, Omega = {rope.omega!r} is not resolved by "
@@ -253,7 +301,7 @@ def periodic_state(
 
 
 def resolved(state: PeriodicState) -> int:
-    """The last harmonic of ξ_c that is not rounding."""
+    """The last harmonic of ξ_c that counts."""
     size = abs(state.waves)
-    heard = np.flatnonzero(size > _ROUNDING * size.max() * math.sqrt(size.size))
+    heard = np.flatnonzero(size > _CHOPPED * size.max())
     return int(heard[-1])
