@@ -217,16 +217,16 @@ class _Waves:
         inertia = (c[0, 2], c[2, 2], 0.0)
         losses = (c[0, 1], c[2, 1], c[4, 1])
         zero = np.zeros((contact.size, *self.still[0].shape))
-        # L = ½ q̇ᵀM q̇ − r q̇ᵀN q + ½ r² qᵀSq − ½ qᵀKq + V ∫ (v_τ v_ξ − …), r = ξ_c'/ξ_c.
+        # L = ½ q̇ᵀM q̇ − r q̇ᵀN q + ½ r² qᵀSq − ½ qᵀKq + L₁, r = ξ_c'/ξ_c.
         M = zero + quadratic(inertia, self.still)
         N = zero + ratio * quadratic(inertia, self.mixed)
         S = zero + ratio**2 * quadratic(inertia, self.both)
         K = zero + quadratic((c[0, 0], c[2, 0], c[4, 0]), self.still)
         if c[1, 1]:
-            # 2V v_ξτ is the force of L₁ = −V ∫ v_τ v_ξ dξ up to a total derivative.
+            # 2V v_ξτ is the force of L₁ = V ∫ v_τ v_ξ dξ.
             V = c[1, 1] / 2
-            N = N + V * self.turned
-            S = S + V * ratio * (self.turned_moved + self.turned_moved.transpose(1, 0))
+            N = N - V * self.turned
+            S = S - V * ratio * (self.turned_moved + self.turned_moved.transpose(1, 0))
         inverse = np.linalg.inv(M)
         to_q = inverse @ N
         back = N.transpose(0, 2, 1)

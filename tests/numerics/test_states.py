@@ -99,8 +99,9 @@ def test_a_pair_meets_at_one_next_to_the_fold(omega: float, epsilon: float, angl
 
 
 def test_beyond_the_fold_there_is_no_such_state() -> None:
-    with pytest.raises(NoPeriodicStateError, match="followed from rest it ends"):
-        periodic_state(rope(3.2), 0.0014)
+    for epsilon in (0.0014, 0.0016, 0.002):
+        with pytest.raises(NoPeriodicStateError, match="followed from rest it ends"):
+            periodic_state(rope(3.2), epsilon)
 
 
 def test_the_tongue_at_twice_the_first_frequency_has_its_multiplier() -> None:
@@ -125,6 +126,48 @@ def test_damping_shrinks_areas_at_its_rate() -> None:
     period = 2 * np.pi / 2.2
     assert np.log(abs(np.prod(values))) == pytest.approx(-2 * 0.05 * 10 * period, rel=1e-9)
     assert stability(state).verdict == "stable"
+
+
+def moving(stated: LinearRope, contact: Any, times: int = 41) -> PeriodicState:
+    """A rope whose contact point is given; of a state the multipliers know nothing else."""
+    modes = Modes(stated, times)
+    unknown = np.concatenate([np.zeros(modes.unknowns - times), contact(modes.phase)])
+    return PeriodicState(modes, 0.0, unknown, 0.0)
+
+
+def lopsided(theta: Any) -> Any:
+    return 1 + 0.05 * np.cos(theta) + 0.04 * np.sin(2 * theta + 0.3)
+
+
+def test_damping_is_decay_and_a_negative_foundation() -> None:
+    """v = e^{−ζτ} u turns v_ττ + 2ζ v_τ into u_ττ − ζ² u, wherever the end moves."""
+    zeta, omega = 0.3, 2.2
+    damped = multipliers(moving(rope(omega, damping=zeta), lopsided), 6)
+    stated = rope(omega)
+    light = replace(stated, terms={**stated.terms, (0, 0): -(zeta**2)})
+    other = np.exp(-zeta * 2 * np.pi / omega) * multipliers(moving(light, lopsided), 6)
+    assert all(abs(damped - x).min() < 1e-8 for x in other)
+
+
+@pytest.mark.parametrize("V", [0.0, 0.3, -0.3])
+def test_waves_in_a_travelling_string_have_the_multipliers_of_their_characteristics(
+    V: float,
+) -> None:
+    """Speeds 1 + V out and 1 − V back: f∘h = f, hence λ = e^{2πik T/ϱ}, ϱ the mean step of h."""
+    omega = 1.3
+    stated = replace(rope(omega, 0.0), terms={(0, 2): 1.0, (1, 1): 2 * V, (2, 0): -(1 - V**2)})
+    left, right = 0.0, 0.0
+    count = 20_000
+    for _ in range(count):
+        # Leaves 0 at ``left``, meets the end at ``right``.
+        for _ in range(60):
+            before, right = right, left + lopsided(omega * right) / (1 + V)
+            if abs(right - before) < 1e-13 * right:
+                break
+        left = right + lopsided(omega * right) / (1 - V)
+    known = np.exp(2j * np.pi * 2 * np.pi / omega / (left / count) * np.arange(1, 3))
+    values = multipliers(moving(stated, lopsided), 20)
+    assert max(abs(values - x).min() for x in known) < 2e-3
 
 
 def test_a_state_in_the_ground_is_told() -> None:
