@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from derivations.commands.options import (
     EpsilonOption,
@@ -13,6 +13,7 @@ from derivations.commands.options import (
     omega_of,
 )
 from derivations.commands.ropes import (
+    Asked,
     BendingOption,
     DampingOption,
     DriveOption,
@@ -49,7 +50,6 @@ def state(
     from asymptotics.checks import finite_number
     from asymptotics.errors import InputError
     from asymptotics.problems.presets import string
-    from derivations.commands.ropes import Asked
     from derivations.cross_check.ropes import in_numbers
     from derivations.progress import progress
     from numerics.periodic.states import periodic_state
@@ -119,8 +119,7 @@ def _in_words(
         f"xi_c: error {found.error:.1e}, {resolved(found)} harmonics; least height "
         f"{height_left:.3g} of that at rest",
     ]
-    waves: list[Any] = list(found.waves[:9])
-    for j, c in enumerate(waves):
+    for j, c in enumerate(found.waves[:9].tolist()):
         sine = "" if found.even else f"  {c.imag:+.14g} sin {j} theta"
         lines.append(f"  {c.real:+.14g} cos {j} theta{sine}")
     if judged is None:

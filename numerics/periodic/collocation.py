@@ -23,8 +23,8 @@ import numpy as np
 from numerics.errors import InputError
 from numerics.periodic.linear_rope import Array, LinearRope, NoPeriodicStateError
 
-SETTLED = 1e-6
-"""Part of ξ₀: steps that no longer shrink are rounding only below it."""
+# Part of ξ₀: steps that no longer shrink are rounding only below it.
+_SETTLED = 1e-6
 
 # The matrix of slopes is kept while it serves; by then the iteration has settled, or will not.
 _MOST_STEPS = 30
@@ -72,7 +72,7 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int, points: int) 
             f"{rope.order + 2} points"
         )
     grid = _Strip(rope, epsilon, times, points)
-    found = settled(grid.left, float(rope.rest), times)
+    found = _settled(grid.left, float(rope.rest), times)
     if found is None:
         raise NoPeriodicStateError(
             f"no periodic state found at epsilon = {epsilon!r} on {times} times and {points} "
@@ -81,7 +81,7 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int, points: int) 
     return found
 
 
-def settled(left: Callable[[Array], Array], rest: float, times: int) -> Array | None:
+def _settled(left: Callable[[Array], Array], rest: float, times: int) -> Array | None:
     """The contact point at equal times at which nothing is left, by Newton's iteration from rest.
 
     None where it does not settle.
@@ -96,9 +96,9 @@ def settled(left: Callable[[Array], Array], rest: float, times: int) -> Array | 
             if not size < rest:
                 break
             # It has settled when what is left is rounding, which no further step makes smaller.
-            if size < 1e-9 * rest or (size >= before and size < SETTLED * rest):
+            if size < 1e-9 * rest or (size >= before and size < _SETTLED * rest):
                 return contact
-            if size > 0.02 * before and size > SETTLED * rest:
+            if size > 0.02 * before and size > _SETTLED * rest:
                 inverse = _inverse_slopes(left, contact)
             before = size
     return None

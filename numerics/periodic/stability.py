@@ -25,7 +25,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from numerics.errors import InputError
 from numerics.periodic.linear_rope import Array, LinearRope
@@ -136,7 +135,9 @@ def multipliers(state: PeriodicState, modes: int, steps: int | None = None) -> C
     h = period / steps
     middle = h * (np.arange(steps) + 0.5)
     off = h * math.sqrt(3) / 6
-    first, second = (waves.matrices(*_motion(state, middle + x)) for x in (-off, off))
+    first, second = (
+        waves.matrices(state.contact(middle + x), state.contact(middle + x, 1)) for x in (-off, off)
+    )
     generator = h / 2 * (first + second)
     generator += math.sqrt(3) * h**2 / 12 * (second @ first - first @ second)
     total = np.eye(2 * modes)
@@ -144,14 +145,6 @@ def multipliers(state: PeriodicState, modes: int, steps: int | None = None) -> C
         total = step @ total
     found = np.linalg.eigvals(total)
     return np.asarray(found[np.argsort(-abs(found), kind="stable")], dtype=complex)
-
-
-def _motion(state: PeriodicState, tau: NDArray[Any]) -> tuple[Array, Array]:
-    """ξ_c and its rate."""
-    base = state.modes.rope.omega / state.modes.subharmonic
-    j = np.arange(state.waves.size)
-    turning = np.exp(-1j * base * tau[:, None] * j)
-    return (turning @ state.waves).real, (turning @ (-1j * base * j * state.waves)).real
 
 
 def _exponentials(a: Array) -> Array:

@@ -12,7 +12,7 @@ is the wave-less state that the expansion in ε describes. Others are reached al
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -70,11 +70,11 @@ class PeriodicState:
         found[1:] *= 2
         return np.asarray(found)
 
-    def contact(self, tau: Any) -> Array:
-        """ξ_c at any times."""
-        theta = self.modes.rope.omega / self.modes.subharmonic * np.asarray(tau, dtype=float)
-        j = np.arange(self.waves.size)
-        return np.asarray((np.exp(-1j * theta[..., None] * j) @ self.waves).real)
+    def contact(self, tau: Any, derivative: int = 0) -> Array:
+        """ξ_c, or a derivative of it, at any times."""
+        rates = -1j * self.modes.rope.omega / self.modes.subharmonic * np.arange(self.waves.size)
+        turning = np.exp(np.asarray(tau, dtype=float)[..., None] * rates)
+        return np.asarray((turning @ (rates**derivative * self.waves)).real)
 
     def shape(self, xi: Any, tau: Any, derivative: int = 0) -> Array:
         """∂_ξ^d (W − g) at places and times; zero on the ground."""
@@ -135,6 +135,14 @@ def solve(modes: Modes, unknown: Array, epsilon: float) -> PeriodicState | None:
     return None
 
 
+def _next_to(modes: Modes, contact: Array, epsilon: float) -> PeriodicState | None:
+    """The state that Newton's iteration finds from a contact point, if any."""
+    try:
+        return solve(modes, modes.start(contact, epsilon), epsilon)
+    except np.linalg.LinAlgError:
+        return None
+
+
 def periodic_contact(rope: LinearRope, epsilon: float, times: int) -> Array:
     """ξ_c of the periodic state at ``times`` equal times of a period, from τ = 0.
 
@@ -164,11 +172,8 @@ def periodic_contact(rope: LinearRope, epsilon: float, times: int) -> Array:
     """
     modes = Modes(rope, times)
     # So few times may have folds of their own: first straight from rest.
-    try:
-        found = solve(modes, modes.start(np.full(times, rope.rest), epsilon), epsilon)
-    except np.linalg.LinAlgError:
-        found = None
-    return (found or _on(rope, epsilon, times, 1, None)).values
+    found = _next_to(modes, np.full(times, rope.rest), epsilon)
+    return (found or _from_rest(modes, epsilon)).values
 
 
 def _on(
@@ -176,23 +181,17 @@ def _on(
 ) -> PeriodicState:
     """The state on so many times: next to a known one, or the wave-less one."""
     try:
-        return _found(Modes(rope, times, subharmonic), epsilon, near)
+        modes = Modes(rope, times, subharmonic)
     except np.linalg.LinAlgError as error:
-        raise NoPeriodicStateError(
-            f"the equations at epsilon = {epsilon!r}, Omega = {rope.omega!r} on {times} times are "
-            "singular: a harmonic resonates; move Omega"
+        raise InputError(
+            f"Omega = {rope.omega!r}: the exponents of its harmonics are beyond doubles"
         ) from error
-
-
-def _found(modes: Modes, epsilon: float, near: PeriodicState | None) -> PeriodicState:
     if near is not None:
         contact = near.contact(modes.tau)
-        found = solve(modes, modes.start(contact, epsilon), epsilon)
-        if found is not None:
-            moved = float(np.ptp(contact))
-            # A tail that was missing is small; farther away is another state.
-            if abs(found.values - contact).max() <= 0.1 * moved:
-                return found
+        found = _next_to(modes, contact, epsilon)
+        # A tail that was missing is small; farther away is another state.
+        if found is not None and abs(found.values - contact).max() <= 0.1 * np.ptp(contact):
+            return found
     return _from_rest(modes, epsilon)
 
 
@@ -202,44 +201,53 @@ def _from_rest(modes: Modes, epsilon: float) -> PeriodicState:
     A step is kept when the correction is small beside it and no fold or branch point was passed:
     the determinant of the equations keeps its sign.
     """
-    rest = solve(modes, modes.start(np.full(modes.times, modes.rope.rest), 0.0), 0.0)
-    if rest is None:
+    found = _next_to(modes, np.full(modes.times, modes.rope.rest), 0.0)
+    if found is None:
         raise NoPeriodicStateError(
             f"no state of rest next to xi_0 = {modes.rope.rest:.6g} at Omega = "
             f"{modes.rope.omega!r}; where a harmonic resonates move Omega"
         )
-    found, unknown = rest, rest.unknown
-    reached, step, side = 0.0, epsilon, None
-    while reached != epsilon:
-        _, matrix, rate = modes.equations(unknown, reached)
-        here = float(np.linalg.slogdet(matrix)[0])
-        side = here if side is None else side
-        tangent = np.linalg.solve(matrix, -rate)
-        while True:
-            target = epsilon if abs(epsilon - reached) <= abs(step) * (1 + 1e-9) else reached + step
-            ahead = unknown + (target - reached) * tangent
-            ended = solve(modes, ahead, target)
-            if ended is not None and _keeps(modes, ended, unknown, ahead, side):
-                break
-            step = (target - reached) / 2
-            if abs(step) < abs(epsilon) / 2**_HALVINGS:
-                raise NoPeriodicStateError(
-                    f"no wave-less state found at epsilon = {epsilon!r}, Omega = "
-                    f"{modes.rope.omega!r} on {modes.times} times: followed from rest it ends "
-                    f"between {reached:.6g} and {reached + 2 * step:.6g}. Give a smaller epsilon"
-                )
-        found, reached, unknown, step = ended, target, ended.unknown, 2 * step
+    tangent, side = _tangent(modes, found)
+    step = epsilon
+    while found.epsilon != epsilon:
+        last = abs(epsilon - found.epsilon) <= abs(step) * (1 + 1e-9)
+        target = epsilon if last else found.epsilon + step
+        step = target - found.epsilon
+        moved = step * tangent
+        ended = solve(modes, found.unknown + moved, target)
+        if ended is not None and _near(modes, ended, found, moved):
+            ahead, new_side = _tangent(modes, ended)
+            if new_side == side:
+                found, tangent, step = ended, ahead, 2 * step
+                continue
+        step /= 2
+        if abs(step) < abs(epsilon) / 2**_HALVINGS:
+            raise NoPeriodicStateError(
+                f"no wave-less state found at epsilon = {epsilon!r}, Omega = "
+                f"{modes.rope.omega!r} on {modes.times} times: followed from rest it ends between "
+                f"{found.epsilon:.6g} and {target:.6g}. Give a smaller epsilon"
+            )
     return found
 
 
-def _keeps(modes: Modes, found: PeriodicState, unknown: Array, ahead: Array, side: float) -> bool:
-    """Whether a step kept to its branch."""
-    contact = slice(-modes.times, None)
-    far = abs(ahead[contact] - unknown[contact]).max()
-    if abs(found.values - ahead[contact]).max() > 0.5 * far:
-        return False
-    _, matrix, _ = modes.equations(found.unknown, found.epsilon)
-    return float(np.linalg.slogdet(matrix)[0]) == side
+def _tangent(modes: Modes, state: PeriodicState) -> tuple[Array, float]:
+    """Of its branch, per ε, and the sign of the determinant of the equations."""
+    _, matrix, rate = modes.equations(state.unknown, state.epsilon)
+    try:
+        tangent = np.linalg.solve(matrix, -rate)
+    except np.linalg.LinAlgError as error:
+        raise NoPeriodicStateError(
+            f"the equations at epsilon = {state.epsilon!r}, Omega = {modes.rope.omega!r} on "
+            f"{modes.times} times are singular: a harmonic resonates; move Omega"
+        ) from error
+    return np.asarray(tangent, dtype=float), float(np.linalg.slogdet(matrix)[0])
+
+
+def _near(modes: Modes, ended: PeriodicState, found: PeriodicState, moved: Array) -> bool:
+    """Whether the correction of a step is small beside the step, in ξ_c."""
+    ahead = moved[-modes.times :]
+    correction = ended.values - found.values - ahead
+    return bool(abs(correction).max() <= 0.5 * abs(ahead).max())
 
 
 def periodic_state(
@@ -299,11 +307,8 @@ def periodic_state(
                 f"{MOST} harmonics; give a smaller epsilon"
             )
     finer = _on(rope, epsilon, 3 * harmonics + 1 + harmonics % 2, subharmonic, state)
-    tau = finer.modes.tau
-    error = float(abs(state.contact(tau) - finer.values).max())
-    return PeriodicState(
-        state.modes, epsilon, state.unknown, state.residual, max(error, state.residual)
-    )
+    error = float(abs(state.contact(finer.modes.tau) - finer.values).max())
+    return replace(state, error=max(error, state.residual))
 
 
 def resolved(state: PeriodicState) -> int:

@@ -16,6 +16,7 @@ from asymptotics.problems.symbols import Omega
 from asymptotics.values.rope import evaluate_rope
 from derivations.app import main
 from derivations.commands.ropes import drive_of
+from tests.command import said
 
 FILE = """
 equation = "W_tautau = W_xixi - 2 - kappa*W"
@@ -25,13 +26,6 @@ contact = ["W", "W_xi"]
 [parameters]
 kappa = 1.7
 """
-
-
-def said(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as ended:
-        main(arguments)
-    captured = capsys.readouterr()
-    return int(ended.value.code or 0), captured.out, captured.err
 
 
 @pytest.fixture

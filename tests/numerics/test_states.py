@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derivations.app import main
 from numerics.errors import InputError
 from numerics.exact_string.invariant_circle import invariant_circle
 from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError, Terms
 from numerics.periodic.modes import Modes
 from numerics.periodic.stability import multipliers, stability
 from numerics.periodic.states import PeriodicState, periodic_state, solve
+from tests.command import said
 
 REST = {0.0: 1.0, 0.01: 1.1049840680200076}
 STRING: Terms = {(0, 2): 1.0, (2, 0): -1.0}
@@ -196,26 +196,19 @@ def test_bad_input() -> None:
         multipliers(state, 1)
 
 
-def run(arguments: list[str], capsys: Any) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as caught:
-        main(arguments)
-    out, err = capsys.readouterr()
-    return int(caught.value.code or 0), out, err
-
-
 def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     wanted = ["state", "--omega", "6.5", "--epsilon", ".005", "--beta", ".01", "--json"]
-    code, out, _ = run(wanted, capsys)
+    code, out, _ = said(wanted, capsys)
     found = json.loads(out)
     assert code == 0
     assert (found["stable"], found["subharmonic"]) == ("unstable", 1)
     assert found["multipliers"][0][0] == pytest.approx(-1.05175, abs=1e-5)
     assert found["error"] < 1e-9
-    code, _, err = run([*wanted[:4], "1", *wanted[5:]], capsys)
+    code, _, err = said([*wanted[:4], "1", *wanted[5:]], capsys)
     assert code != 0
     assert "wave-less state" in err
     assert "Traceback" not in err
-    code, out, _ = run(["state", "--omega", "2.2", "--epsilon", "0.02"], capsys)
+    code, out, _ = said(["state", "--omega", "2.2", "--epsilon", "0.02"], capsys)
     assert code == 0
     assert "neutral" in out
 
@@ -229,7 +222,7 @@ def test_the_command_without_a_verdict_says_why(
         'driven_end = ["W = 1 + epsilon*cos(Omega*tau)", "W_xixixi = 0"]\n'
         'contact = ["W", "W_xi", "W_xixi"]\n'
     )
-    code, out, _ = run(
+    code, out, _ = said(
         ["state", "--problem", str(file), "--omega", "2", "--epsilon", ".01", "--json"], capsys
     )
     found = json.loads(out)

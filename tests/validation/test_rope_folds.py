@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,11 +15,11 @@ from asymptotics.problems.presets import beam, string
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
 from asymptotics.resonances.folds import amplitude_equation
 from asymptotics.resonances.rope_fold import RopeFold, rope_fold
-from derivations.app import main
 from derivations.cross_check.ropes import in_numbers
 from numerics.periodic.linear_rope import LinearRope
 from numerics.periodic.modes import Modes
 from numerics.periodic.states import solve
+from tests.command import said
 
 KAPPA = sp.Symbol("kappa")
 
@@ -117,13 +116,6 @@ def test_a_second_drive_changes_the_forcing_not_the_amplitude_s_own_law() -> Non
     assert pytest.approx(0.1 * direct.F, rel=1e-13) == driven.F
 
 
-def run(arguments: list[str], capsys: Any) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as caught:
-        main(arguments)
-    out, err = capsys.readouterr()
-    return int(caught.value.code or 0), out, err
-
-
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "rope.toml"
     file.write_text(
@@ -131,13 +123,13 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         'driven_end = ["W = 1 + epsilon*cos(Omega*tau)"]\ncontact = ["W", "W_xi"]\n'
         "[parameters]\nkappa = 6\n"
     )
-    code, out, _ = run(["fold", "1/1", "--problem", str(file), "--json"], capsys)
+    code, out, _ = said(["fold", "1/1", "--problem", str(file), "--json"], capsys)
     assert code == 0
     found = json.loads(out)
     expected = rope_fold(string(foundation=6), {}, 1, 1)
     assert found["alpha"] == pytest.approx(expected.alpha, rel=1e-13)
-    code, out, _ = run(["fold", "1/2", "--drive", "1: 1, 2: 0.1"], capsys)
+    code, out, _ = said(["fold", "1/2", "--drive", "1: 1, 2: 0.1"], capsys)
     assert code == 0
     assert "fold: 2 (Omega - " in out
     for arguments in (["x"], ["1/2", "--plot", "a.png"], ["0/1"]):
-        assert run(["fold", *arguments, "--problem", str(file)], capsys)[0] == 2
+        assert said(["fold", *arguments, "--problem", str(file)], capsys)[0] == 2
