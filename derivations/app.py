@@ -19,6 +19,7 @@ from derivations.commands import resonances as resonance_commands
 from derivations.commands import simulation as simulation_commands
 from derivations.commands import threshold as threshold_command
 from derivations.commands import validate as validate_command
+from derivations.commands.critical import critical
 from derivations.commands.options import (
     LIST,
     EpsilonOption,
@@ -287,6 +288,7 @@ app.command()(simulation_commands.simulate)
 app.command()(threshold_command.threshold)
 app.command()(validate_command.validate)
 app.command()(state)
+app.command()(critical)
 app.command()(figure2_command.figure2)
 
 

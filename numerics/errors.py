@@ -46,6 +46,10 @@ class CircleNotFoundError(NumericsError):
         self.partial = partial
 
 
+class OrbitNotFoundError(NumericsError):
+    """A periodic orbit of the string's map was not found."""
+
+
 class SonicContactError(NumericsError):
     """A time was asked for at which the exact string's solution by characteristics has ended.
 

@@ -27,6 +27,8 @@ from numerics.errors import InputError
 
 Array = NDArray[Any]
 EPS = 2.0**-52
+# Exponentials held at once in a sum over harmonics and places.
+_PRODUCTS = 2**20
 
 
 class CircleStatus(Enum):
@@ -84,6 +86,24 @@ class InvariantCircle:
         chi = _invert(self._phase(tau), self._middle)
         return (self.rotation_number / 2 + _cosines(chi, self._jumps)) / self.omega
 
+    def contact_curve(self, size: int) -> tuple[Array, Array]:
+        """τ and ξ_c at χ = 2πj/size, one period: all at once, where harmonics are many.
+
+        ``size`` is raised to what the harmonics need.
+
+        Examples
+        --------
+        >>> from numerics.exact_string.invariant_circle import invariant_circle
+        >>> state = invariant_circle(omega=0.83, epsilon=0.02)
+        >>> tau, xi = state.contact_curve(64)
+        >>> bool(np.abs(state.contact(tau) - xi).max() < 1e-14)
+        True
+        """
+        size = max(size, 2 * len(self.sines) + 2)
+        chi = np.arange(size) * (2 * math.pi / size)
+        tau = (chi + _on_grid(-1j * self._middle, size)) / self.omega
+        return tau, (self.rotation_number / 2 + _on_grid(self._jumps, size)) / self.omega
+
     def shape(self, xi: ArrayLike, tau: ArrayLike) -> Array:
         """W(ξ, τ) in units of Z₀, by d'Alembert; 0 on the ground, ξ > ξ_c. Arguments broadcast.
 
@@ -129,23 +149,21 @@ class InvariantCircle:
         """max |ξ_c′(τ)| in units of the wave speed; below 1 on every circle."""
         k, half = self._k, self.rotation_number / 2
         numerator, denominator = k * self.sines * np.sin(k * half), k * self._middle
-        centre, width = math.pi / 2, math.pi / 2
-        best = 0.0
-        points = 8 * len(k) + 32
+        size = 8 * len(k) + 32
+        speed = _on_grid(-1j * numerator, size) / (1 + _on_grid(denominator, size))
+        best, centre = float(np.abs(speed).max()), 2 * math.pi / size * int(np.abs(speed).argmax())
+        width = 2 * math.pi / size
         while width > math.sqrt(EPS):  # a maximum is flat: √eps in place is eps in value
-            chi = np.linspace(centre - width, centre + width, points)
-            angles = np.multiply.outer(chi, k)
-            speed = np.abs(np.sin(angles) @ numerator / (1 + np.cos(angles) @ denominator))
+            chi = np.linspace(centre - width, centre + width, 33)
+            speed = np.abs(_sines(chi, numerator) / (1 + _cosines(chi, denominator)))
             best, centre = max(best, float(speed.max())), float(chi[speed.argmax()])
-            width *= 4 / points
+            width /= 16
         return best
 
     @cached_property
     def graph_margin(self) -> float:
         """min l = min(1 + U′) over the nodes; positive on a circle, 0 where it breaks."""
-        size = 4 * max(self.nodes, 8)
-        psi = np.arange(size) * (2 * math.pi / size)
-        return float((1 + _cosines(psi, self._k * self.sines)).min())
+        return float((1 + _on_grid(self._k * self.sines, 4 * max(self.nodes, 8))).min())
 
     @property
     def _k(self) -> Array:
@@ -173,8 +191,7 @@ class InvariantCircle:
         """f(t) = ∫ f′ dt up to a constant, as a function of ψ(t)."""
         psi = _invert(self.omega * t, self.sines)
         mean, rest = self._primitive
-        angles = np.exp(1j * np.multiply.outer(psi, np.arange(1, len(rest) + 1)))
-        return (mean * psi + 2 * (angles @ rest).real) / self.omega
+        return (mean * psi + 2 * _waves(psi, rest).real) / self.omega
 
     def _outgoing_slope(self, t: Array) -> Array:
         """f′(t) = (h(t) − t)/2."""
@@ -186,17 +203,36 @@ class InvariantCircle:
         """Mean of D (1 + U′), and the Fourier coefficients of its oscillating part's integral."""
         k, half = self._k, self.rotation_number / 2
         size = 4 * (len(k) + 1)  # the product of two series of degree n has degree 2n: exact
-        psi = np.arange(size) * (2 * math.pi / size)
-        jump = 2 * _cosines(psi + half, self._jumps)
-        stretch = 1 + _cosines(psi, k * self.sines)
+        jump = 2 * _on_grid(self._jumps * np.exp(1j * k * half), size)
+        stretch = 1 + _on_grid(k * self.sines, size)
         product = np.fft.rfft((2 * half + jump) / (2 * self.omega) * stretch) / size
         harmonics = np.arange(1, 2 * len(k) + 1)
         return float(product[0].real), product[1 : 2 * len(k) + 1] / (1j * harmonics)
 
 
-def _cosines(x: Array, a: Array) -> Array:
+def _on_grid(a: Array, size: int) -> Array:
+    """Re Σ a_k e^{ikψ} at ψ = 2πj/size, 0 ≤ j < size, for more than 2k nodes."""
+    return np.fft.irfft(np.r_[0, np.asarray(a) / 2], size) * size
+
+
+def _cosines(x: ArrayLike, a: Array) -> Array:
     """Σ a_k cos kx."""
-    return np.cos(np.multiply.outer(x, np.arange(1, len(a) + 1))) @ a
+    return _waves(x, a).real
+
+
+def _sines(x: ArrayLike, a: Array) -> Array:
+    """Σ a_k sin kx."""
+    return _waves(x, a).imag
+
+
+def _waves(x: ArrayLike, a: Array) -> Array:
+    """Σ a_k e^{ikx}, by pieces of x: next to the break-up there are 10⁵ harmonics."""
+    flat, k = np.ravel(x), np.arange(1, len(a) + 1)
+    out = np.empty(flat.size, complex)
+    piece = max(1, _PRODUCTS // max(1, len(a)))
+    for i in range(0, flat.size, piece):
+        out[i : i + piece] = np.exp(1j * np.multiply.outer(flat[i : i + piece], k)) @ a
+    return out.reshape(np.shape(x))
 
 
 def _invert(y: ArrayLike, a: Array) -> Array:
@@ -208,13 +244,12 @@ def _invert(y: ArrayLike, a: Array) -> Array:
     # Rounding of the left side; the bracket halves whenever Newton leaves it, so 60 steps suffice.
     target = 4 * EPS * (float(np.abs(y).max(initial=1.0)) + reach)
     for _ in range(60):
-        angles = np.multiply.outer(x, k)
-        excess = x + np.sin(angles) @ a - y
+        excess = x + _sines(x, a) - y
         if (np.abs(excess) <= target).all():
             break
         low, high = np.where(excess < 0, x, low), np.where(excess > 0, x, high)
         with np.errstate(divide="ignore", invalid="ignore"):
-            trial = x - excess / (1 + np.cos(angles) @ (k * a))
+            trial = x - excess / (1 + _cosines(x, k * a))
         inside = (trial >= low) & (trial <= high)
         x = np.where(inside, trial, (low + high) / 2)
     return x

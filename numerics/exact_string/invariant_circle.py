@@ -27,11 +27,9 @@ to Ω = π have max |ξ_c′| between 0.1 and 0.25); the motion that follows, no
 folds.
 
 **What a failure means.** Less than a proof that there is none. Newton's iteration needs all modes
-of the circle, whose number grows without bound towards the break-up, and at fixed (Ω, ε) it is led
-astray by the rotation numbers next to the circle's. The golden circle, ϱ = 2π · 0.618034, lasts to
-K = 0.9716; it is found at K = 0.85 (Ω = 1.93925968, ε = .11301003) with 2048 nodes and not with
-1024, at K = 0.905 (1.93904483, .12034911) with 8192 and not with 4096, and at K = 0.92 (1.93898641,
-.12235122) not with 65536, though at fixed ϱ the same equations have a solution to rounding there.
+of the circle, whose number grows without bound towards the break-up. The golden circle, ϱ = 2π ·
+0.618034, lasts to K = 0.9716354; at its Ω and ε it is found at K = 0.85 on 512 nodes, at 0.95 on
+2048, at 0.971 on 65536, and at 0.9716 not on 131072.
 """
 
 from __future__ import annotations
@@ -39,21 +37,25 @@ from __future__ import annotations
 import math
 
 from numerics.errors import CircleNotFoundError, InputError
-from numerics.exact_string.circle_newton import search
+from numerics.exact_string.circle_newton import Sought, search
 from numerics.exact_string.circle_state import EPS, CircleStatus, InvariantCircle
+from numerics.problems.drive import positive
 
-__all__ = ["EPS", "CircleStatus", "InvariantCircle", "invariant_circle"]
+__all__ = ["EPS", "CircleStatus", "InvariantCircle", "circle_at_rotation", "invariant_circle"]
 
 # No circle winds around the cylinder beyond this K, proved with interval arithmetic by
 # R. S. MacKay & I. C. Percival, Commun. Math. Phys. 98 (1985) 469.
 NO_CIRCLE = 63 / 64
+
+# A second's work for the last of Newton's steps.
+MOST_NODES = 2**17
 
 
 def invariant_circle(
     omega: float,
     epsilon: float,
     nodes: int = 32,
-    max_nodes: int = 4096,
+    max_nodes: int = MOST_NODES,
     start: InvariantCircle | None = None,
 ) -> InvariantCircle:
     r"""The exact periodic wave-less state of the string driven by Z(τ) = 1 + ε cos Ωτ.
@@ -72,7 +74,7 @@ def invariant_circle(
     Returns
     -------
     InvariantCircle
-        With status ``CONVERGED``. Force and mean height hold to rounding; b_k is then good to
+        With status ``CONVERGED``. The map and the mean height hold to rounding; b_k is then good to
         about 2⁻⁵² K/(4 sin²(kϱ/2)), the small divisors of a nearby resonance.
 
     Raises
@@ -103,14 +105,72 @@ def invariant_circle(
             f"|epsilon| < {NO_CIRCLE / (2 * omega**2):.6g}",
             None,
         )
-    state = search(omega, epsilon, nodes, max_nodes, start)
+    sought = Sought(strength, omega, 2 * omega)
+    state = search(sought, nodes, max_nodes, start)
     if state.status is not CircleStatus.CONVERGED:
         raise CircleNotFoundError(
             f"no invariant circle found at Omega = {omega!r}, epsilon = {epsilon!r} with up to "
             f"{max_nodes} nodes (K = {strength:.6g}; residual {state.residuals[-1]:.1e}): "
             f"{state.status.value}. This is no proof that there is none. Take a smaller |epsilon|, "
-            "move Omega away from the nearest resonance pπ/q with small q, or raise max_nodes, "
-            "which close to the break-up (|K| from 0.92 on, or less) need not help",
+            "move Omega away from the nearest resonance pπ/q with small q, or raise max_nodes",
+            state,
+        )
+    return state
+
+
+def circle_at_rotation(
+    rotation: float, strength: float, nodes: int = 32, max_nodes: int = MOST_NODES
+) -> InvariantCircle:
+    r"""The state with the rotation number ν = ϱ/2π at K = 2εΩ²; Ω and ε are read off.
+
+    On a circle that lasts, ν is irrational; a rational one with a small denominator has none.
+
+    Parameters
+    ----------
+    rotation
+        ν > 0, the return time of the characteristics in periods of the drive, on average.
+    strength
+        K, of either sign.
+    nodes, max_nodes
+        As for :func:`invariant_circle`.
+
+    Raises
+    ------
+    InputError
+        ν is not positive, K or the node counts not what is allowed.
+    CircleNotFoundError
+        As :func:`invariant_circle`.
+
+    Examples
+    --------
+    >>> state = circle_at_rotation((5**0.5 - 1) / 2, 0.95)
+    >>> round(state.omega, 10), round(state.epsilon, 10)
+    (1.9388697106, 0.1263561421)
+
+    Source: the exact string reduces to the standard map; see the module's docstring.
+    """
+    rotation = positive("rotation", rotation)
+    _check_nodes(nodes, max_nodes)
+    if not isinstance(strength, int | float) or not math.isfinite(strength):
+        raise InputError(f"strength = {strength!r}; K = 2εΩ² must be a finite number")
+    if abs(strength) >= NO_CIRCLE:
+        raise CircleNotFoundError(
+            f"strength = {strength!r}: for |K| ≥ 63/64 no invariant circle exists; take a smaller "
+            "K",
+            None,
+        )
+    if strength and abs(math.sin(math.pi * rotation)) <= math.sqrt(EPS) * max(1.0, rotation):
+        raise InputError(
+            f"rotation = {rotation!r} is numerically a whole number, a resonance Ω = pπ, where any "
+            "drive makes waves; take an irrational number, e.g. the golden one (5**0.5 - 1)/2"
+        )
+    state = search(Sought(float(strength), None, 2 * math.pi * rotation), nodes, max_nodes)
+    if state.status is not CircleStatus.CONVERGED:
+        raise CircleNotFoundError(
+            f"no invariant circle found with the rotation number {rotation!r} at K = {strength!r} "
+            f"with up to {max_nodes} nodes (residual {state.residuals[-1]:.1e}): "
+            f"{state.status.value}. This is no proof that there is none. Take a smaller |K|, a "
+            "number farther from p/q with small q, or raise max_nodes",
             state,
         )
     return state
