@@ -20,6 +20,7 @@ from derivations.commands import simulation as simulation_commands
 from derivations.commands import threshold as threshold_command
 from derivations.commands import validate as validate_command
 from derivations.commands.critical import critical
+from derivations.commands.normal_form import normal_form
 from derivations.commands.options import (
     LIST,
     EpsilonOption,
@@ -289,6 +290,7 @@ app.command()(threshold_command.threshold)
 app.command()(validate_command.validate)
 app.command()(state)
 app.command()(critical)
+app.command()(normal_form)
 app.command()(figure2_command.figure2)
 
 

@@ -59,8 +59,6 @@ class PeriodicOrbit:
         """Ω from the mean height, the orbit taken for q points of a circle with ν = p/q."""
         order = np.argsort(np.arange(self.q) * self.p % self.q)
         c = np.fft.rfft(self.deviations[order]) / self.q
-        if self.q % 2 == 0:
-            c[-1] /= math.sqrt(2)  # |c_k|² is counted twice there, and is its own mirror image
         turn = 2 * math.pi * self.p / self.q
         return frequency(c, self.q, turn, self.strength)
 

@@ -1,198 +1,205 @@
-"""Both ways to write an element of the exact ring: unique, complete, shared by its multiples."""
+"""Normal forms: known folds, the beam's own code, the leading laws, ranges that end."""
 
-from __future__ import annotations
+import json
+from pathlib import Path
 
-from fractions import Fraction
-from itertools import combinations_with_replacement
-from math import gcd
-
-import mpmath
+import numpy as np
 import pytest
-from mpmath import mp, mpf
+import sympy
+from flint import arb
 
-from asymptotics import ClosedForms, Expansion
-from asymptotics.formulas import normal_form as module
-from asymptotics.formulas.normal_form import (
-    CircularForm,
-    CotangentForm,
-    circular_form,
-    common_factor,
-    cotangent_form,
-    cotangent_terms,
-    from_cotangent_terms,
-    multiple_angles,
-)
-from asymptotics.rings.cotangent import CotangentElement, CotangentRing
+from asymptotics.errors import InputError
+from asymptotics.expansion.reduced_equation import reduced_equation
+from asymptotics.problems.beam import static_beam
+from asymptotics.problems.free_frequencies import free_frequencies
+from asymptotics.problems.moving_contact import moving_contact
+from asymptotics.problems.presets import beam, string
+from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
+from asymptotics.resonances.folds import fold
+from asymptotics.resonances.normal_form import Polynomial, normal_form
+from asymptotics.resonances.rope_fold import rope_fold
+from asymptotics.rings.numbers import balls
+from asymptotics.rings.precision import at_precision
+from tests.command import said
 
-RING = CotangentRing()
-
-
-def totient(q: int) -> int:
-    return sum(gcd(p, q) == 1 for p in range(1, q + 1))
-
-
-def product(*factors: CotangentElement) -> CotangentElement:
-    result = RING.one
-    for factor in factors:
-        result = result * factor
-    return result
+AT = {"beta": "0.01"}
+# Periodic states by a spectral method: the fold at Ω = 3.2.
+SPECTRAL = 1.38788e-3
 
 
-def check(element: CotangentElement) -> CotangentForm:
-    """The form says what the element says, in the monomials that make it unique."""
-    form = cotangent_form(element)
-    assert from_cotangent_terms(cotangent_terms(element)) == element
-    entries = [(a, m, v) for a, row in form.rows.items() for m, v in row.items()]
-    assert entries == sorted(entries)
-    assert entries[0][2] > 0
-    assert gcd(*(v for *_, v in entries)) == 1
-    for _, (q, m, i), v in entries:
-        assert v
-        assert i == 0 if q == 1 else (m > 0 and i < totient(q))
-    return form
+@pytest.mark.parametrize("order", range(5, 12))
+def test_the_fold_at_3_2(order: int) -> None:
+    (found,) = normal_form(beam(), AT, 1, 1, 3.2, order).folds()
+    assert found.epsilon == pytest.approx(1.3874e-3, abs=2e-6)
+    assert abs(found.epsilon - SPECTRAL) <= found.error
 
 
-@pytest.mark.parametrize("q", range(2, 13))
-def test_powers_of_a_cotangent_are_their_own_form(q: int) -> None:
-    for m in (1, 2, 3, 4):
-        for i in range(totient(q)):
-            element = product(*[RING.cot(q)] * m, *[RING.cot(1)] * i)
-            form = check(element)
-            assert (form.content, form.rows) == (Fraction(1), {0: {(q, m, i): 1}})
+@pytest.mark.parametrize("order", range(5, 12))
+def test_outside_the_range_there_is_no_number(order: int) -> None:
+    with pytest.raises(InputError, match="outside the range"):
+        normal_form(beam(), AT, 1, 1, 3.1, order).folds()
 
 
-@pytest.mark.parametrize("first", [1, 2, 3, 4, 6, 8, 9, 12])
-def test_products_of_cotangents_that_share_poles(first: int) -> None:
-    for others in combinations_with_replacement((1, 2, 3, 4, 6, 8, 9, 12), 2):
-        check(product(*map(RING.cot, (first, *others))))
+@pytest.mark.parametrize(("q", "omega"), [(1, "3.2"), (2, "1.62")])
+def test_rows_are_those_of_the_beam_s_own_code(q: int, omega: str) -> None:
+    with at_precision(256):
+        shape = static_beam("0.01", numbers=balls())
+        known = reduced_equation(shape, arb(omega), q, 7)
+    rows = normal_form(beam(), AT, 1, q, float(omega), 7).rows
+    for row, other in zip(rows, known, strict=True):
+        expected = np.array([float(g) for g in other])
+        # Ω is the double next to the decimal: a relative 1e-16 over the distance from resonance.
+        np.testing.assert_allclose(row, expected, rtol=1e-12, atol=1e-12 * abs(expected).max())
 
 
-@pytest.mark.parametrize("q", range(2, 13))
-def test_poles_at_one_resonance_only(q: int) -> None:
-    """1/Ψ_q^m has none at the divisors of q, where every cotangent that is needed has."""
-    for m in (1, 2, 3):
-        for factor in (RING.one, RING.cot(1), RING.omega + RING.cot(1)):
-            check(CotangentElement(factor.numerator, 1, (0,) * (q - 2) + (m,)))
+@pytest.mark.parametrize("q", [1, 2])
+def test_folds_have_the_leading_law_as_their_limit(q: int) -> None:
+    law = fold(1, q, 0.01)
+    errors = []
+    for mu in (0.008, 0.004, 0.002):
+        form = normal_form(beam(), AT, 1, q, law.resonant.value + law.mu_sign * mu, 8)
+        errors.append(form.folds()[0].epsilon / float(law.epsilon(law.mu_sign * mu)) - 1)
+    assert abs(errors[-1]) < 0.02
+    assert errors[1] / errors[0] == pytest.approx(0.5, abs=0.1)
+    assert errors[2] / errors[1] == pytest.approx(0.5, abs=0.1)
 
 
-def test_even_and_odd_parts_and_powers_of_omega_at_once() -> None:
-    k, omega = RING.cot, RING.omega
-    parts = [k(4) * k(6), k(2), omega * k(5) * k(10), omega * k(1), RING.rational(3, 7) * k(9)]
-    form = check(RING.sum(parts))
-    assert sorted(form.rows) == [0, 1]
+def test_no_fold_on_the_other_side() -> None:
+    assert normal_form(beam(), AT, 1, 1, 3.27, 9).folds() == ()
+    assert normal_form(beam(), AT, 1, 1, 3.27, 9).edge() is None
 
 
-def test_a_pole_that_is_not_there() -> None:
-    """Poles too many in the denominator change nothing."""
-    element = RING.cot(3)
-    c = RING.cot(1)
-    padded = CotangentElement(element.numerator * c.numerator, element.denominator, (1, 1))
-    assert padded == element
-    assert cotangent_form(padded) == cotangent_form(element)
-    assert circular_form(padded) == circular_form(element)
+@pytest.mark.parametrize("side", [-1, 1])
+def test_the_tongue_at_twice_a_frequency(side: int) -> None:
+    """ε = 0.0467365 |Ω − 2Ω₁| in the limit, by both edges."""
+    ratios = []
+    for mu in (2e-2, 1e-2):
+        form = normal_form(beam(), AT, 1, 1, 6.5000025991 + side * mu, 7, subharmonic=2)
+        edge = form.edge()
+        assert edge is not None
+        assert edge.amplitude == 0
+        ratios.append(edge.epsilon / abs(form.omega - form.resonance))
+        assert form.folds() == ()
+    # The next term is linear in μ.
+    assert 2 * ratios[1] - ratios[0] == pytest.approx(0.0467365, rel=1e-3)
 
 
-def test_zero_has_no_terms() -> None:
-    assert cotangent_terms(RING.zero) == {}
-    assert cotangent_form(RING.zero) == CotangentForm(Fraction(0), {})
+def test_two_over_two() -> None:
+    """With bending Ω₂/2 is not Ω₁; spectral states end between 5.2625e-4 and 5.2719e-4 there."""
+    (found,) = normal_form(beam(), AT, 2, 2, 3.59, 10).folds()
+    assert 5.2625e-4 < found.epsilon < 5.2719e-4
+    with pytest.raises(InputError, match="outside the range"):
+        normal_form(beam(), AT, 2, 2, 3.6, 10).folds()
 
 
-def amplitudes(expansion: Expansion) -> list[CotangentElement]:
-    forms = ClosedForms(expansion)
-    found = [
-        forms.contact_amplitude(n, j)
-        for n in range(1, forms.order + 1)
-        for j in forms.expansion.contact(n)
-    ]
-    for n in range(1, forms.order + 1):
-        for j in forms.expansion.shape(n):
-            found += [amplitude for amplitude, _ in forms.shape_parts(n, j)]
-        for j in range(n + 1):
-            found += [term.amplitude for term in forms.profile_terms(j, n)]
-    return [element for element in found if not element.is_zero()]
+def test_amplitudes_and_branch_solve_the_equation() -> None:
+    form = normal_form(beam(), AT, 1, 1, 3.2, 7)
+    (found,) = form.folds()
+    few, many = form.amplitudes(1.001 * found.epsilon), form.amplitudes(0.999 * found.epsilon)
+    near = [sum(abs(x - found.amplitude) < 0.01 for x in roots) for roots in (few, many)]
+    assert near == [0, 2]
+    polynomial = form.polynomial()
+    assert isinstance(polynomial, Polynomial)
+    epsilon, amplitude = form.branch()
+    assert epsilon.max() == pytest.approx(found.epsilon, rel=1e-3)
+    for e, a in zip(epsilon[1::20], amplitude[1::20], strict=True):
+        g, gradient = polynomial(np.array([e, -a * form.leading / 2]))
+        assert abs(g) < 1e-10 * abs(e * gradient[0])
 
 
-def test_shared_forms_are_those_computed_alone(sixth: Expansion) -> None:
-    elements = amplitudes(sixth)
-    together = [(cotangent_form(x), circular_form(x)) for x in elements]
-    alone = []
-    for element in elements:
-        module._cotangent_form.cache_clear()
-        module._circular_form.cache_clear()
-        alone.append((cotangent_form(element), circular_form(element)))
-    assert together == alone
-    for element in elements[::7]:
-        check(element)
-
-
-def test_a_form_is_computed_once_for_all_multiples(sixth: Expansion) -> None:
-    elements = amplitudes(sixth)
-    module._cotangent_form.cache_clear()
-    for element in elements:
-        first = cotangent_form(element)
-        for ratio in (Fraction(-1), Fraction(3, 4), Fraction(-8, 5)):
-            other = cotangent_form(element * RING.rational(*ratio.as_integer_ratio()))
-            assert other.rows is first.rows
-            assert other.content == ratio * first.content
-    info = module._cotangent_form.cache_info()
-    assert info.misses == info.currsize < len(elements)
-
-
-def test_keys_tell_elements_apart() -> None:
-    """Same length, first and last coefficient, same poles: still two elements."""
-    k, omega = RING.cot, RING.omega
-    first = RING.sum([omega * omega, omega * k(1), RING.one])
-    second = RING.sum([omega * omega, omega * k(1) * k(1), RING.one])
-    keys = [module._primitive(x)[1] for x in (first, second)]
-    assert hash(keys[0]) == hash(keys[1])
-    assert keys[0] != module._Primitive(first.numerator, (1,))
-    assert cotangent_form(first) != cotangent_form(second)
-
-
-def number(form: CircularForm, omega: mpf) -> mpf:
-    top = sum(
-        omega**power * v * function(k * omega)
-        for part, function in ((form.cosines, mpmath.cos), (form.sines, mpmath.sin))
-        for power, row in part.items()
-        for k, v in row.items()
+def test_an_own_rope() -> None:
+    """A string on an elastic foundation: its free frequencies are no multiples of one."""
+    kappa = sympy.Symbol("kappa")
+    rope = moving_contact(
+        equation=sympy.Eq(W.diff(tau, 2), W.diff(xi, 2) - 2 - kappa * W),
+        driven_end=[sympy.Eq(W, 1 + epsilon * sympy.cos(Omega * tau))],
+        contact=[W, W.diff(xi)],
     )
-    bottom = mpmath.sin(omega) ** form.sine_power
-    for q, m in enumerate(form.poles, start=2):
-        bottom *= sum(v * mpmath.cos(k * omega) for k, v in module.resonance_cosines(q)) ** m
-    return mpf(form.content.numerator) / form.content.denominator * top / bottom
+    at = {"kappa": "3"}
+    known = rope_fold(rope, at, 1, 1)
+    errors = []
+    for size in (4e-3, 2e-3):
+        mu = float(np.sign(known.kappa)) * size
+        (found,) = normal_form(rope, at, 1, 1, known.frequency + mu, 7).folds()
+        errors.append(float(known.detuning(found.epsilon)) / mu - 1)
+    assert abs(errors[1]) < 0.1
+    assert errors[1] / errors[0] == pytest.approx(0.5, abs=0.1)
 
 
-def test_circular_forms_of_multiples_have_a_positive_content() -> None:
-    element = RING.sum([RING.cot(4) * RING.omega, RING.cot(3)])
-    with mp.workdps(40):
-        omega = mpf("0.8137")
-        for ratio in (Fraction(1), Fraction(-2, 3)):
-            form = circular_form(element * RING.rational(*ratio.as_integer_ratio()))
-            wanted = omega * mpmath.cot(4 * omega) + mpmath.cot(3 * omega)
-            wanted *= mpf(ratio.numerator) / ratio.denominator
-            assert abs(number(form, omega) - wanted) < mpf(10) ** -35
-            assert form.content > 0
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((1, 1, 3.2, 4), "order = 4"),
+        ((1, 1, 3.2, 26), "order = 26"),
+        ((1, 1, 9.0, 7), "not near the resonance"),
+        ((1, 1, float("nan"), 7), "finite"),
+        ((0, 1, 3.2, 7), "p"),
+        ((1, 9, 0.36, 7), "q"),
+        ((2, 2, 7.2, 7, 2), "common divisor"),
+    ],
+)
+def test_arguments(arguments: tuple, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        normal_form(beam(), AT, *arguments)
 
 
-@pytest.mark.parametrize("degree", range(7))
-def test_multiple_angles(degree: int) -> None:
-    from flint import fmpz_poly
-
-    row = fmpz_poly([3, -1, 4, 1, -5, 9, -2][: degree + 1])
-    with mp.workdps(30):
-        omega = mpf("0.71")
-        cosines, sines = multiple_angles(row, degree)
-        found = sum(v * mpmath.cos(k * omega) for k, v in cosines.items())
-        found += sum(v * mpmath.sin(k * omega) for k, v in sines.items())
-        wanted = sum(
-            int(row[i]) * mpmath.cos(omega) ** i * mpmath.sin(omega) ** (degree - i)
-            for i in range(degree + 1)
-        )
-        assert abs(found - 2**degree * wanted) < mpf(10) ** -25
+def test_damped_ropes_and_the_string_are_refused() -> None:
+    damped = beam(damping=sympy.Symbol("zeta"))
+    with pytest.raises(InputError, match="without damping"):
+        normal_form(damped, {**AT, "zeta": "0.1"}, 1, 1, 3.2, 7)
+    for omega in (3.1, 3.14, 3.1416):
+        with pytest.raises(InputError, match="one amplitude does not suffice"):
+            normal_form(string(), {}, 1, 1, omega, 7).folds()
 
 
-def test_common_factor() -> None:
-    k, omega = RING.cot, RING.omega
-    first = cotangent_form(RING.rational(3, 4) * omega * omega * k(2))
-    second = cotangent_form(RING.rational(-9, 10) * omega * k(3))
-    assert common_factor([first, second]) == (Fraction(3, 20), 1)
+def test_one_amplitude_suffices_nearer_and_nearer_as_beta_falls() -> None:
+    """Ω₂/2 − Ω₁ falls with β; half way there harmonic 2 is as near."""
+    for beta in ("1e-3", "1e-4"):
+        first, second = free_frequencies(beam(), {"beta": beta}, 2).values
+        gap = second / 2 - first
+        for share, rival in ((0.45, None), (0.55, (2, 2))):
+            assert normal_form(beam(), {"beta": beta}, 1, 1, first + share * gap, 5).rival == rival
+
+
+def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    plot = tmp_path / "a.svg"
+    common = ["normal-form", "1/1", "--beta", "0.01", "--json"]
+    code, out, _ = said([*common, "--omega", "3.2", "--plot", str(plot)], capsys)
+    assert code == 0
+    fields = json.loads(out)
+    assert fields["fold"][0]["epsilon"] == pytest.approx(1.3874e-3, abs=2e-6)
+    assert fields["fold"][0]["omega"] == 3.2
+    assert fields["outside"] is None
+    first = plot.read_bytes()
+    said([*common, "--omega", "3.2", "--plot", str(plot)], capsys)
+    assert plot.read_bytes() == first
+    code, out, _ = said([*common, "--omega", "3.1"], capsys)
+    fields = json.loads(out)
+    assert (code, fields["fold"]) == (0, [])
+    assert "outside the range" in fields["outside"]
+    code, out, _ = said(
+        ["normal-form", "1/1", "--beta", "0.01", "--subharmonic", "2", "--omega", "6.48"], capsys
+    )
+    assert code == 0
+    assert "edge of the tongue: epsilon = 0.00096519" in out
+    code, out, _ = said(common, capsys)
+    assert (code, json.loads(out)["resonance"]) == (0, pytest.approx(3.2500013, abs=1e-7))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["1/1", "--omega", "3.2"], "no simple resonance"),
+        (["one", "--beta", "0.01"], "N/J"),
+        (["0/1", "--beta", "0.01"], "N/J"),
+        (["1/1", "--beta", "0.01", "--plot", "a.png"], "give --omega"),
+        (["1/1", "--beta", "0.01", "--omega", "-3"], "not near"),
+    ],
+)
+def test_command_refuses(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, err = said(["normal-form", *arguments], capsys)
+    assert code != 0
+    assert out == ""
+    assert message in err

@@ -1,0 +1,55 @@
+"""Folds and edges of normal forms against spectral periodic states and their multipliers."""
+
+import numpy as np
+import pytest
+
+from asymptotics.problems.presets import beam
+from asymptotics.resonances.normal_form import normal_form
+from derivations.cross_check.ropes import in_numbers
+from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError
+from numerics.periodic.stability import multipliers
+from numerics.periodic.states import periodic_state
+
+
+def stated(omega: float) -> LinearRope:
+    """The paper's rope at β = 0.01, stated for the numerics."""
+    at = {"beta": 0.01, "Omega": omega}
+    rope = beam()
+    return in_numbers(rope, rope.values(at), complex(rope.at(at).rest or 0).real)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("p", "q", "omega", "order"), [(1, 1, 3.2, 9), (2, 2, 3.59, 10), (1, 2, 1.62, 8)]
+)
+def test_states_end_at_the_fold(p: int, q: int, omega: float, order: int) -> None:
+    form = normal_form(beam(), {"beta": "0.01"}, p, q, omega, order)
+    fold = form.folds()[0]
+    below, above = fold.epsilon * (1 - 4e-3), fold.epsilon * (1 + 4e-3)
+    assert fold.error < 4e-3 * fold.epsilon
+    state = periodic_state(stated(omega), below)
+    assert state.clearance() > 0
+    with pytest.raises(NoPeriodicStateError):
+        periodic_state(stated(omega), above)
+    # A pair e^{±iφ} closes in on +1: φ² ∝ ∂G/∂b, the square root of the distance, here a quarter.
+    nearest = [
+        np.sort(abs(np.angle(multipliers(periodic_state(stated(omega), e), 10))))[0]
+        for e in (fold.epsilon * (1 - 16e-3), below)
+    ]
+    assert nearest[1] / nearest[0] == pytest.approx(4**-0.25, abs=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("omega", "order"), [(6.48, 8), (6.52, 8), (6.55, 8)])
+def test_a_multiplier_passes_minus_one_at_the_edge(omega: float, order: int) -> None:
+    edge = normal_form(beam(), {"beta": "0.01"}, 1, 1, omega, order, subharmonic=2).edge()
+    assert edge is not None
+    margin = max(2 * edge.error, 2e-3 * edge.epsilon)
+    below, above = (
+        multipliers(periodic_state(stated(omega), edge.epsilon + d * margin), 12) for d in (-1, 1)
+    )
+    assert abs(abs(below) - 1).max() < 1e-6
+    worst = above[abs(above).argmax()]
+    assert abs(worst) > 1 + 1e-4
+    assert worst.real < -1
+    assert abs(worst.imag) < 1e-8
