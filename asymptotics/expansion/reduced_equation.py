@@ -227,6 +227,10 @@ class Resonance:
         """Ω_p(β)/q in double precision."""
         return float(linear_frequencies(self.beta, self.p, self.driven_end)[-1]) / self.q
 
+    def spectrum(self, count: int) -> Array:
+        """Ω_1 … Ω_count."""
+        return linear_frequencies(self.beta, count, self.driven_end)
+
     def _placed(self) -> tuple[StaticBeam, arb]:
         shape = static_beam(self.beta, self.driven_end, balls())
         return shape, enclosed_frequency(shape, self.q * self.value)

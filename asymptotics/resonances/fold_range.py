@@ -26,8 +26,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from asymptotics.expansion.reduced_equation import Array, Resonance
-from asymptotics.problems.beam_spectrum import linear_frequencies
+from asymptotics.expansion.reduced_equation import Array
 
 ACCURACY = 0.1
 """The relative error in ε at which a law's range ends."""
@@ -46,11 +45,33 @@ _TOLD = 1e-12
 _STEPS, _STRIDE, _FAR = 40, 0.5, 2.0
 
 
+class Resonant(Protocol):
+    """What is asked of a resonance ω_p/q."""
+
+    @property
+    def p(self) -> int:
+        """Of ω_p."""
+
+    @property
+    def q(self) -> int:
+        """The harmonic."""
+
+    @property
+    def value(self) -> float:
+        """ω_p/q."""
+
+    def spectrum(self, count: int) -> Array:
+        """The lowest free frequencies."""
+
+    def scaled(self, mu: float, epsilon: float, amplitude: float, order: int) -> list[Array]:
+        """G's orders at ω_p/q + μ as g_{n−k,k} ε^{n−k} b^k, over the largest of them."""
+
+
 class Law(Protocol):
     """What is asked of a fold."""
 
     @property
-    def resonant(self) -> Resonance:
+    def resonant(self) -> Resonant:
         """Which resonance it belongs to."""
 
     @property
@@ -163,7 +184,7 @@ def next_pole(law: Law) -> tuple[float, tuple[int, int] | None]:
     resonance, order = law.resonant, compared_order(law.resonant.q) + 2
     # Ω_n grows at least like n, so that these reach beyond jΩ_p/q · 3/2 for all j.
     count = 3 * order * resonance.p // (2 * resonance.q) + 2
-    spectrum = linear_frequencies(resonance.beta, count, resonance.driven_end)
+    spectrum = resonance.spectrum(count)
     distance = law.mu_sign * (spectrum / np.arange(1, order + 1)[:, None] - resonance.value)
     distance[distance < _TOLD * resonance.value] = math.inf
     j, n = np.unravel_index(np.argmin(distance), distance.shape)

@@ -64,11 +64,11 @@ from asymptotics.expansion.reduced_equation import Array, Resonance
 from asymptotics.problems.beam import check_beam
 from asymptotics.problems.string import string_problem
 from asymptotics.resonances.fold_range import LEAST, Range, fold_range
+from asymptotics.resonances.leading_law import Terms, cubic, detuning_at, epsilon_at, law_terms
 from asymptotics.rings.balls import outward
 from asymptotics.rings.ring import FloatRing
 
 _EPS = float(np.finfo(float).eps)
-_BISECTIONS = 60  # of an interval of order one, to rounding
 _SIDES = {-1: "below", 1: "above"}
 
 LARGEST_P, LARGEST_Q = 1000, 8
@@ -183,16 +183,12 @@ class Fold:
     @property
     def cubic(self) -> float:
         """κ = (27αF²/4)^{1/3}."""
-        return float(np.cbrt(27 * self.alpha.value / 4) * np.cbrt(self.F.value) ** 2)
+        return cubic(self.F.value, self.alpha.value)
 
     @property
-    def _terms(self) -> list[tuple[float, int]]:
+    def _terms(self) -> Terms:
         """qμ on the fold as Σ c x^m, x = ε^{2/3}, lowest power first."""
-        if self.gamma is None:
-            return [(self.cubic, 1)]
-        if self.q == 3:
-            return [(self.cubic + self.gamma.value, 3)]
-        return sorted([(self.cubic, self.q), (self.gamma.value, 3)], key=lambda term: term[1])
+        return law_terms(self.q, self.cubic, None if self.gamma is None else self.gamma.value)
 
     @property
     def powers(self) -> list[tuple[float, Fraction]]:
@@ -205,8 +201,7 @@ class Fold:
         >>> fold(1, 1, 0.01).detuning([1e-4, 1e-3]).round(6)
         array([-0.009235, -0.042865])
         """
-        x = np.asarray(epsilon, dtype=float) ** (2 / 3)
-        return np.asarray(sum(c * x**m for c, m in self._terms) / self.q)
+        return detuning_at(self._terms, epsilon) / self.q
 
     def epsilon(self, mu: npt.ArrayLike) -> Array:
         """ε on the fold at detuning μ, from ε = 0 up to where μ turns round, or ε = 1; else nan.
@@ -217,26 +212,7 @@ class Fold:
         >>> fold(1, 2, 0.01).epsilon([-1e-4, 1e-4]).round(6)
         array([0.000999,      nan])
         """
-        (first, low), *rest = self._terms
-        size = self.q * np.asarray(mu, dtype=float) / first
-        size = np.where(size > 0, size, math.nan)
-        alone = size ** (1 / low)
-        if not rest:
-            return np.where(alone <= 1, alone, math.nan) ** 1.5
-        [(second, high)] = rest
-        ratio, extra = second / first, high - low
-        # x^low (1 + ratio x^extra) = size; increasing up to ``turn``, where the bracket is
-        # 1 − low/high. Bisection for x/alone, which lies between its values at the ends.
-        turn = (low / (high * -ratio)) ** (1 / extra) if ratio < 0 else math.inf
-        end = min(1.0, turn)
-        left, right = sorted((1.0, (1 + ratio * end**extra) ** (-1 / low)))
-        below, above = np.full(size.shape, left), np.full(size.shape, right)
-        for _ in range(_BISECTIONS):
-            middle = (below + above) / 2
-            beyond = middle**low * (1 + ratio * (alone * middle) ** extra) > 1
-            below, above = np.where(beyond, below, middle), np.where(beyond, middle, above)
-        inside = size <= end**low * (1 + ratio * end**extra)
-        return np.where(inside, alone * above, math.nan) ** 1.5
+        return epsilon_at(self._terms, self.q * np.asarray(mu, dtype=float))
 
     def error(self, mu: npt.ArrayLike) -> Array:
         """The estimated relative error of :meth:`epsilon`, c|μ|; inf beyond :attr:`range`.

@@ -14,17 +14,18 @@ excites harmonic q,
           F = \frac{2}{a_m D'} g_{n_0,0}, \quad α = −\frac{a_m^2}{4D'} g_{0,3}, \quad
           γ = −\frac{1}{D'} g_{2,1},
 
-and a double root where :math:`qμ = γε^2 + κ ε^{2n_0/3}`, κ = (27αF²/4)^{1/3}. For the paper's beam
-it is :mod:`asymptotics.resonances.folds`, which also knows the range of the law.
+and a double root where :math:`qμ = γε^2 + κ ε^{2n_0/3}`, κ = (27αF²/4)^{1/3}, for n₀ = 1 without
+the γ (:mod:`asymptotics.resonances.leading_law`). How far that law holds says
+:mod:`asymptotics.resonances.fold_range`. The paper's beam has a code of its own,
+:mod:`asymptotics.resonances.folds`; the two agree.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,15 @@ from flint import acb, arb, arb_poly, ctx
 from asymptotics.checks import whole_number
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
-from asymptotics.expansion.reduced_equation import PolynomialRing, left_over
+from asymptotics.expansion.reduced_equation import PolynomialRing, left_over, until_narrow
 from asymptotics.problems.contact_problem import Enclosed, enclosed_problem
 from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.free_frequencies import free_frequencies
 from asymptotics.problems.fundamental import product, solve
 from asymptotics.problems.moving_contact import MovingContact
 from asymptotics.problems.problem import Mode, Problem
+from asymptotics.resonances.fold_range import LEAST, Range, fold_range
+from asymptotics.resonances.leading_law import Terms, cubic, detuning_at, epsilon_at, law_terms
 from asymptotics.rings.harmonics import reachable
 from asymptotics.rings.precision import PrecisionError, at_precision
 
@@ -66,6 +69,8 @@ class RopeFold:
         Of the amplitude equation; γ of q = 1 too, where it is of higher order than the rest.
     errors
         Bounds on what rounding and the numerical D′ leave of the three.
+    resonant
+        The resonance, for the law's range.
     """
 
     p: int
@@ -76,17 +81,39 @@ class RopeFold:
     alpha: float
     gamma: float
     errors: tuple[float, float, float]
+    resonant: RopeResonance = field(repr=False)
 
     @property
     def kappa(self) -> float:
         """κ of the fold, with the sign of α."""
-        return float(np.cbrt(27 * self.alpha * self.F**2 / 4))
+        return cubic(self.F, self.alpha)
+
+    @property
+    def terms(self) -> Terms:
+        """qμ on the fold as Σ c x^m, x = ε^{2/3}, lowest power first."""
+        return law_terms(self.excited, self.kappa, self.gamma)
+
+    @property
+    def mu_sign(self) -> int:
+        """The sign of μ on the fold as ε → 0."""
+        return 1 if self.terms[0][0] > 0 else -1
 
     def detuning(self, epsilon: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """μ of the fold at ε, by the law of leading terms."""
-        small = np.abs(np.asarray(epsilon, dtype=float))
-        shift = self.gamma * small**2 + self.kappa * small ** (2 * self.excited / 3)
-        return np.asarray(shift / self.q)
+        return detuning_at(self.terms, np.abs(epsilon)) / self.q
+
+    def epsilon(self, mu: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """ε ≥ 0 of the fold at μ, by the law; nan where it has none."""
+        return epsilon_at(self.terms, self.q * np.asarray(mu, dtype=float))
+
+    def amplitude(self, epsilon: float) -> float:
+        """a at the double root, where 3αa² = κε^{2n₀/3}."""
+        return 1.5 * self.F / self.kappa * epsilon ** (self.excited / 3)
+
+    @cached_property
+    def range(self) -> Range | None:
+        """Where the law holds; None if it was found to hold nowhere. Takes seconds."""
+        return fold_range(self)
 
     def amplitudes(self, mu: float, epsilon: float) -> npt.NDArray[np.float64]:
         """The real roots a of the amplitude equation, increasing: one state, or three."""
@@ -109,6 +136,18 @@ class RopeFold:
             "gamma": self.gamma,
             "kappa": self.kappa,
             "errors": list(self.errors),
+            "range": None
+            if self.range is None
+            else {
+                "mu": self.range.mu,
+                "epsilon": self.range.epsilon,
+                "error": self.range.error,
+                "error_per_mu": self.range.slope,
+                "reduced_order": self.range.order,
+            },
+            "reason": f"the law was found to hold at no detuning down to {LEAST:g} of the resonance"
+            if self.range is None
+            else self.range.reason,
         }
 
 
@@ -154,7 +193,8 @@ def rope_fold(rope: MovingContact, at: Mapping[Any, Any], p: int, q: int) -> Rop
                 continue
         if all(error <= _NARROW * (abs(x) + 1) for x, error in found[1:]):
             (frequency, _), (F, f), (alpha, a), (gamma, g) = found
-            return RopeFold(p, q, excited, frequency, F, alpha, gamma, (f, a, g))
+            resonant = RopeResonance(rope, tuple(sorted(values.items())), p, q, start)
+            return RopeFold(p, q, excited, frequency, F, alpha, gamma, (f, a, g), resonant)
     raise InputError(
         f"the amplitude equation at omega_{p}/{q} of {rope} is lost in {_BITS[-1]} bits: another "
         "resonance is too close"
@@ -245,6 +285,69 @@ class Resonant:
         return rate, arb(slope.mid(), widened)
 
 
+@dataclass(frozen=True)
+class RopeResonance:
+    """ω_p/q of one rope, as :mod:`asymptotics.resonances.fold_range` asks for it.
+
+    Attributes
+    ----------
+    rope, values
+        The rope, and its parameters but for Ω.
+    p, q
+        Of ω_p/q.
+    start
+        ω_p in doubles.
+    """
+
+    rope: MovingContact
+    values: tuple[tuple[str, Fraction], ...]
+    p: int
+    q: int
+    start: float
+
+    @property
+    def value(self) -> float:
+        """ω_p/q."""
+        return self.start / self.q
+
+    def spectrum(self, count: int) -> npt.NDArray[np.float64]:
+        """ω_1 … ω_count."""
+        given = {name: x for name, x in self.values if name != "Omega"}
+        return np.array(free_frequencies(self.rope, given, min(count, _MOST_P)).values)
+
+    def scaled(
+        self, mu: float, epsilon: float, amplitude: float, order: int
+    ) -> list[npt.NDArray[np.float64]]:
+        """G's orders at ω_p/q + μ as g_{n−k,k} ε^{n−k} b^k, over the largest of them.
+
+        b is −a_m/2 times the amplitude a.
+
+        Raises
+        ------
+        InputError
+            8192 bits do not suffice.
+        """
+        resonant = Resonant(self.rope, dict(self.values), self.q)
+
+        def compute() -> list[arb]:
+            centre, _ = resonant.resonance(Fraction(self.start))
+            rate = centre + self.q * Fraction(mu)
+            leading = resonant.at(rate).static.derivative(self.rope.contact_order).real
+            b = -amplitude * leading / 2
+            terms = [
+                g * arb(epsilon) ** (n - k) * b**k
+                for n, row in enumerate(reduced(resonant, rate, self.q, order), start=1)
+                for k, g in enumerate(row)
+            ]
+            largest = max(x.mid().abs_lower() for x in terms)
+            return [x / largest for x in terms]
+
+        found = until_narrow(compute, f"the reduced equation at omega_{self.p}/{self.q}", True)
+        flat = np.array([float(x.mid()) for x in found])
+        # Order n has n + 1 coefficients.
+        return np.split(flat, np.cumsum(np.arange(2, order + 1)))
+
+
 def _coefficients(
     rope: MovingContact, values: Mapping[str, Fraction], start: float, q: int, excited: int
 ) -> list[tuple[float, float]]:
@@ -304,11 +407,16 @@ def reduced(resonant: Resonant, rate: Fraction, q: int, order: int) -> list[list
     return [left_over(solution, q, n) for n in range(1, order + 1)]
 
 
-def law_in_words(found: RopeFold) -> str:
-    """The fold's law as a line of text."""
-    power = 2 * found.excited / 3
-    exponent = f"{power:.4g}" if not math.isclose(power, round(power)) else f"{round(power)}"
-    return (
-        f"{found.q} (Omega - {found.frequency / found.q:.10g}) = {found.gamma:.6g} epsilon^2 "
-        f"{found.kappa:+.6g} epsilon^{exponent}"
-    )
+def law_in_words(found: RopeFold) -> list[str]:
+    """The fold's law and its range as lines of text."""
+    terms = " ".join(f"{c:+.6g} epsilon^({Fraction(2 * m, 3)})" for c, m in found.terms)
+    law = f"fold: {found.q} (Omega - {found.frequency / found.q:.10g}) = {terms}"
+    reach = found.range
+    if reach is None:
+        return [law, "range  none: the law was found to hold at no detuning"]
+    return [
+        law,
+        f"range  |mu| <= {reach.mu:.3g}, epsilon <= {reach.epsilon:.3g}: epsilon is off by about "
+        f"{reach.slope:.2g} |mu|, {reach.error:.1%} at the end",
+        f"  {reach.reason}",
+    ]

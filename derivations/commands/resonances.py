@@ -173,7 +173,7 @@ def fold(
     """The fold near Ω_p(β)/q of the rope that bends: what it ends, and how far its law holds.
 
     With --problem or --drive: the amplitude equation of that rope at ω_p/q, and the law of its
-    fold, without its range.
+    fold.
     """
     from asymptotics.resonances.folds import fold as compute
     from asymptotics.resonances.tongues import parse_fraction
@@ -225,7 +225,7 @@ def _fold_of_rope(
         f"({q} mu - gamma epsilon^2) a = F epsilon^{found.excited} + alpha a^3, a the amplitude of "
         f"cos {q} theta in x_c/x0:",
         f"F = {found.F:.10g}, alpha = {found.alpha:.10g}, gamma = {found.gamma:.10g}",
-        f"fold: {law_in_words(found)}",
+        *law_in_words(found),
     ]
     fields = {**found.as_json(), "problem": str(rope.rope)}
     show(fields, "\n".join(lines), as_json)

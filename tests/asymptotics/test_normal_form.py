@@ -203,3 +203,28 @@ def test_command_refuses(
     assert code != 0
     assert out == ""
     assert message in err
+
+
+@pytest.mark.parametrize(("p", "q"), [(1, 1), (1, 2), (2, 1)])
+def test_the_range_of_any_rope_s_law_is_the_beam_s(p: int, q: int) -> None:
+    """Two reductions and two spectra."""
+    own, beams = rope_fold(beam(), AT, p, q), fold(p, q, 0.01)
+    assert own.range is not None
+    assert beams.range is not None
+    assert own.range.mu == pytest.approx(beams.range.mu, rel=1e-9)
+    assert own.range.slope == pytest.approx(beams.range.slope, rel=1e-9)
+    assert own.range.pole == beams.range.pole
+    assert own.mu_sign == beams.mu_sign
+    mu = own.mu_sign * own.range.mu
+    assert float(own.epsilon(mu)) == pytest.approx(float(beams.epsilon(mu)), rel=1e-12)
+
+
+def test_the_range_of_two_over_two_holds_against_higher_orders() -> None:
+    law = rope_fold(beam(), AT, 2, 2)
+    assert law.range is not None
+    for share in (0.25, 0.5, 1):
+        mu = law.mu_sign * share * law.range.mu
+        (found,) = normal_form(beam(), AT, 2, 2, law.frequency / 2 + mu, 8).folds()
+        off = abs(float(law.epsilon(mu)) / found.epsilon - 1)
+        assert off <= law.range.slope * abs(mu) + found.error / found.epsilon
+        assert off > 0.2 * law.range.slope * abs(mu)
