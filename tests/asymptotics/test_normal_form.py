@@ -92,6 +92,12 @@ def test_two_over_two() -> None:
         normal_form(beam(), AT, 2, 2, 3.6, 10).folds()
 
 
+def test_the_error_holds_at_the_end_of_a_range() -> None:
+    """2/4, next to Ω₂/4 = 1.7944: spectral states end at 0.0596760; two changes alone are less."""
+    (found,) = normal_form(beam(), AT, 2, 4, 1.8, 10).folds()
+    assert 5e-5 < abs(found.epsilon - 0.0596760) <= found.error
+
+
 def test_amplitudes_and_branch_solve_the_equation() -> None:
     form = normal_form(beam(), AT, 1, 1, 3.2, 7)
     (found,) = form.folds()
