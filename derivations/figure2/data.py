@@ -22,7 +22,8 @@ from typing import Any
 from asymptotics.problems.beam_spectrum import linear_frequencies
 from derivations.figure2.points import Point, check_points
 from derivations.output import json_text
-from numerics.errors import CircleNotFoundError, FileError, ThresholdNotFoundError
+from numerics.errors import FileError, ThresholdNotFoundError
+from numerics.exact_string.last_circle import largest_circle
 from numerics.files.sealed import read_json
 from numerics.sweeps.sweep import sweep
 
@@ -51,9 +52,6 @@ FILLS = {
     0.0: (2.2, 2.3, 2.4, 2.5, 3.8, 4.2, 4.5, 4.8, 5.1, 5.4, 5.6),
 }
 """Ω between the resonances; at β = 0.01 denser around Ω₂/2 and 2Ω₁."""
-
-MISSES = 4
-"""Failures in a row that end the search for the largest circle."""
 
 COARSE_OMEGAS = (1.4, 1.55, 1.7, 2.3, 2.8, 3.1, 3.4, 4.2, 5.5, 6.2, 6.8)
 
@@ -183,48 +181,6 @@ def _string_brackets(omega: float, coarse: bool) -> list[dict[str, Any]]:
         rows.append({"change": change, **limits, "growth": None})
     rows[0]["mechanism"] = "sonic contact"
     return rows
-
-
-def largest_circle(omega: float, width: float = 0.01, step: float = 1.1) -> tuple[float, float]:
-    """Bracket of the largest ε at which a periodic state is found, followed from small ε.
-
-    A lower bound of the largest at which there is one, and not a close one away from the
-    resonances: at Ω = 1.9387855 it is 0.1260, where the golden circle lasts to 0.1292, 3 % more.
-    Where the rotation number passes a rational there is none either, in a narrow gap. So the search
-    goes on past MISSES failures, each ``step`` further, before it takes a failure for the end.
-
-    >>> low, high = largest_circle(2.9)
-    >>> round(low, 4), high < 1.011 * low
-    (0.0087, True)
-    """
-    from numerics.exact_string.invariant_circle import NO_CIRCLE, InvariantCircle, invariant_circle
-
-    state: InvariantCircle | None = None
-
-    def found(epsilon: float) -> bool:
-        nonlocal state
-        try:
-            state = invariant_circle(omega, epsilon, max_nodes=4096, start=state)
-        except CircleNotFoundError:
-            return False
-        return True
-
-    highest = NO_CIRCLE / (2 * omega**2)
-    low = 1e-5
-    while not found(low):  # next to a resonance it ends below 1e-5
-        low /= 4
-    high, misses = low * step, 0
-    epsilon = high
-    while misses < MISSES and epsilon < highest:
-        if found(epsilon):
-            low, high, misses = epsilon, min(epsilon * step, highest), 0
-        else:
-            misses += 1
-        epsilon *= step
-    while high > low * (1 + width):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if found(middle) else (low, middle)
-    return low, high
 
 
 def compute(
