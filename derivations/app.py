@@ -19,6 +19,8 @@ from derivations.commands import resonances as resonance_commands
 from derivations.commands import simulation as simulation_commands
 from derivations.commands import threshold as threshold_command
 from derivations.commands import validate as validate_command
+from derivations.commands.boundary import boundary
+from derivations.commands.branch import branch
 from derivations.commands.critical import critical
 from derivations.commands.normal_form import normal_form
 from derivations.commands.options import (
@@ -289,6 +291,8 @@ app.command()(simulation_commands.simulate)
 app.command()(threshold_command.threshold)
 app.command()(validate_command.validate)
 app.command()(state)
+app.command()(boundary)
+app.command()(branch)
 app.command()(critical)
 app.command()(normal_form)
 app.command()(figure2_command.figure2)

@@ -10,6 +10,7 @@ from derivations.commands.options import (
     HeightOption,
     HertzOption,
     JsonOption,
+    PlotOption,
     omega_of,
 )
 from derivations.commands.ropes import (
@@ -22,7 +23,7 @@ from derivations.commands.ropes import (
     SetOption,
     asked,
 )
-from derivations.output import show
+from derivations.output import show, wrote
 
 if TYPE_CHECKING:
     from numerics.periodic.stability import Stability
@@ -41,6 +42,7 @@ def state(
     problem: ProblemOption = None,
     values: SetOption = None,
     as_json: JsonOption = False,
+    plot: PlotOption = None,
 ) -> None:
     """The periodic wave-less state at Ω and ε, not expanded in ε, and its Floquet multipliers.
 
@@ -54,6 +56,10 @@ def state(
     from derivations.progress import progress
     from numerics.periodic.states import periodic_state
 
+    if plot is not None:
+        from derivations.figures.plots import check_plot_path
+
+        check_plot_path(plot)
     omega = finite_number("--omega", omega_of(omega, hz, height))
     epsilon = finite_number("--epsilon", epsilon)
     if not omega > 0:
@@ -72,6 +78,10 @@ def state(
             "elsewhere, and the wave-less state has ended; give a smaller epsilon"
         )
     judged, reason = _judged(found)
+    if plot is not None:
+        from derivations.figures.state import plot_state
+
+        plot_state(found, judged, plot)
     fields = {
         "command": "state",
         "omega": omega,
@@ -92,6 +102,7 @@ def state(
         else [[float(x.real), float(x.imag)] for x in judged.multipliers],
     }
     show(fields, _in_words(str(rope.rope), found, judged, reason, height_left), as_json)
+    wrote(plot)
 
 
 def _judged(found: PeriodicState) -> tuple[Stability | None, str | None]:

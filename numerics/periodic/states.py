@@ -91,20 +91,22 @@ class PeriodicState:
         """Whether ξ_c is a series of cosines."""
         return bool(abs(self.waves.imag).max() <= 1e-10 * abs(self.waves).max())
 
-    def clearance(self, places: int = 60) -> float:
+    def clearance(self, places: int = 60, times: int | None = None) -> float:
         """The least of (W − g)/(1 − ξ/ξ_c)^m over places and times, part of what it is at rest.
 
-        Not positive where the rope would be in the ground: then this is no state of the rope.
+        ``times`` of a period; by default four for each of the state's. Not positive where the rope
+        would be in the ground: then this is no state of the rope.
         """
         modes, m = self.modes, self.modes.rope.contacts
         s = (np.arange(places) + 0.5) / places
-        tau = np.linspace(0, modes.tau[-1] + modes.tau[1], 4 * modes.times, endpoint=False)
+        count = 4 * modes.times if times is None else times
+        tau = np.linspace(0, modes.tau[-1] + modes.tau[1], count, endpoint=False)
         contact = self.contact(tau)
 
-        def quotient(ends: Array, times: Array, unknown: Array, epsilon: float) -> Array:
-            x, t = (ends[:, None] * s).ravel(), np.repeat(times, places)
+        def quotient(ends: Array, at: Array, unknown: Array, epsilon: float) -> Array:
+            x, t = (ends[:, None] * s).ravel(), np.repeat(at, places)
             lifted = modes.shape(unknown, epsilon, x, t).reshape(-1, places)
-            last = modes.shape(unknown, epsilon, ends, times, m) * (-ends) ** m / math.factorial(m)
+            last = modes.shape(unknown, epsilon, ends, at, m) * (-ends) ** m / math.factorial(m)
             return np.column_stack([lifted / (1 - s) ** m, last])
 
         rest = np.full(modes.times, modes.rope.rest)

@@ -19,6 +19,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from numerics.problems.drive import whole
 
 Task = dict[str, Any]
 Result = dict[str, Any]
+_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 def sweep(
@@ -127,7 +129,10 @@ def _compute(
         min(workers, len(left)), context, initializer=_watch, initargs=(os.getpid(),)
     )
     try:
-        futures: dict[Future[Result], str] = {pool.submit(work, task): name for name, task in left}
+        with _one_thread_each():
+            futures: dict[Future[Result], str] = {
+                pool.submit(work, task): name for name, task in left
+            }
         for future in as_completed(futures):
             yield futures[future], future.result()
     except BrokenProcessPool as error:
@@ -138,6 +143,22 @@ def _compute(
         ) from error
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """For processes that start within: the threads of linear algebra would be in each other's way.
+
+    What the user has set stays.
+    """
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update({name: "1" for name, value in before.items() if value is None})
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
 
 
 def _check_importable(work: Callable[[Task], Result]) -> None:

@@ -196,7 +196,7 @@ def test_bad_input() -> None:
         multipliers(state, 1)
 
 
-def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     wanted = ["state", "--omega", "6.5", "--epsilon", ".005", "--beta", ".01", "--json"]
     code, out, _ = said(wanted, capsys)
     found = json.loads(out)
@@ -208,9 +208,13 @@ def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert code != 0
     assert "wave-less state" in err
     assert "Traceback" not in err
-    code, out, _ = said(["state", "--omega", "2.2", "--epsilon", "0.02"], capsys)
-    assert code == 0
-    assert "neutral" in out
+    plots = [tmp_path / "a.svg", tmp_path / "b.svg"]
+    for plot in plots:
+        asked = ["state", "--omega", "2.2", "--epsilon", "0.02", "--plot", str(plot)]
+        code, out, _ = said(asked, capsys)
+        assert code == 0
+        assert "neutral" in out
+    assert plots[0].read_bytes() == plots[1].read_bytes()
 
 
 def test_the_command_without_a_verdict_says_why(

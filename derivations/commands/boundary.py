@@ -1,0 +1,105 @@
+"""``ropewave boundary``: ε at which the wave-less state is lost, along Ω, with its mechanism."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from derivations.commands.options import LIST, EndOption, JsonOption, PlotOption, numbers_of
+from derivations.output import show, wrote
+
+if TYPE_CHECKING:
+    from derivations.cross_check.boundary import Point
+
+SECONDS = 10.0
+"""Of processor time that a point takes, more or less."""
+
+
+def boundary(
+    omegas: Annotated[str, typer.Option("--omega", metavar=LIST, help="Drive frequencies Ω.")],
+    beta: Annotated[float, typer.Option("--beta", metavar="β", min=0, max=1)] = 0.01,
+    driven_end: EndOption = "pinned",
+    data: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Where points are kept, and taken up again from."),
+    ] = None,
+    workers: Annotated[
+        int, typer.Option(metavar="COUNT", min=1, help="Processes that compute.")
+    ] = 1,
+    simulated: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Ramped thresholds to draw too: of ropewave figure2."),
+    ] = None,
+    as_json: JsonOption = False,
+    plot: PlotOption = None,
+) -> None:
+    """Where the wave-less state from rest is lost, at each Ω: by states and by normal forms.
+
+    States are followed in ε until a fold, an instability, a graze, or until more harmonics are
+    needed than there are, which is a lower bound. Points at which the two ways differ by more than
+    their errors are named.
+    """
+    from asymptotics.errors import InputError
+    from derivations.cross_check.boundary import disagreements, point, specification, tasks
+    from derivations.progress import announce, progress
+    from numerics.sweeps.sweep import sweep
+
+    if plot is not None:
+        from derivations.figures.plots import check_plot_path
+
+        check_plot_path(plot)
+    if simulated is not None and plot is None:
+        raise InputError("--simulated adds points to a figure; give --plot as well")
+    values = sorted(set(numbers_of("--omega", omegas)))
+    if not values[0] > 0:
+        raise InputError(f"--omega {values[0]!r}: frequencies have to be positive")
+    drawn = [] if simulated is None else _ramped(simulated, beta)
+    todo = tasks(beta, driven_end, values)
+    announce(f"{len(todo)} points, less those kept", len(todo) * SECONDS / workers)
+    with progress("boundary", len(todo), as_json, fine=True) as report:
+        points = sweep(point, todo, data, specification(), workers, lambda done, _: report(done))
+    named = disagreements(points)
+    if plot is not None:
+        from derivations.figures.boundary import plot_boundary
+
+        plot_boundary(points, beta, drawn, plot)
+    fields = {
+        "command": "boundary",
+        "beta": beta,
+        "driven_end": driven_end,
+        "points": points,
+        "disagreements": named,
+    }
+    show(fields, _in_words(points, named, beta, driven_end), as_json)
+    wrote(plot)
+
+
+def _ramped(path: Path, beta: float) -> list[tuple[float, float, float]]:
+    """Ω, lower and upper of the ramped thresholds at β in a collected file."""
+    from derivations.figure2.data import read_collected
+
+    points, _ = read_collected(path)
+    return [(p["omega"], p["lower"], p["upper"]) for p in points if p["beta"] == beta]
+
+
+def _in_words(points: list[Point], named: list[str], beta: float, driven_end: str) -> str:
+    lines = [
+        f"beta = {beta:g}, {driven_end}" if beta else "beta = 0",
+        f"{'Omega':>10}  {'epsilon from':>13}  {'to':>13}  {'mechanism':<18}  {'normal form':<24}",
+    ]
+    for row in points:
+        upper = "-" if row["upper"] is None else f"{row['upper']:.8g}"
+        known: dict[str, Any] | None = row["normal_form"]
+        told = "" if known is None else f"{known['epsilon']:.8g} +- {known['error']:.1e}"
+        lines.append(
+            f"{row['omega']:10.6g}  {row['lower']:13.8g}  {upper:>13}  {row['mechanism']:<18}  "
+            f"{told}".rstrip()
+        )
+    both = sum(row["agrees"] is not None for row in points)
+    lines.append(
+        f"normal forms in their range: {both} points, {len(named)} of them differ by more than "
+        "the errors"
+    )
+    return "\n".join([*lines, *named])
