@@ -129,7 +129,7 @@ def test_a_lost_branch_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     plot = tmp_path / "a.svg"
     arguments = ["branch", "--beta", "0.01", "--omega", "3.2", "--epsilon", "1e-3", "--to", "2e-3"]
-    arguments += ["--points", "6", "--step", "1e-4", "--json", "--plot", str(plot)]
+    arguments += ["--points", "8", "--step", "1e-4", "--json", "--plot", str(plot)]
     code, out, _ = said(arguments, capsys)
     assert code == 0
     fields = json.loads(out)
