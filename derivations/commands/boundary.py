@@ -32,6 +32,10 @@ def boundary(
         Path | None,
         typer.Option(metavar="FILE", help="Ramped thresholds to draw too: of ropewave figure2."),
     ] = None,
+    started: Annotated[
+        bool,
+        typer.Option(help="Start the simulator on the state, a tenth below and above each point."),
+    ] = False,
     as_json: JsonOption = False,
     plot: PlotOption = None,
 ) -> None:
@@ -56,7 +60,7 @@ def boundary(
     if not values[0] > 0:
         raise InputError(f"--omega {values[0]!r}: frequencies have to be positive")
     drawn = [] if simulated is None else _ramped(simulated, beta)
-    todo = tasks(beta, driven_end, values)
+    todo = tasks(beta, driven_end, values, started)
     announce(f"{len(todo)} points, less those kept", len(todo) * SECONDS / workers)
     with progress("boundary", len(todo), as_json, fine=True) as report:
         points = sweep(point, todo, data, specification(), workers, lambda done, _: report(done))
@@ -85,17 +89,23 @@ def _ramped(path: Path, beta: float) -> list[tuple[float, float, float]]:
 
 
 def _in_words(points: list[Point], named: list[str], beta: float, driven_end: str) -> str:
+    started = any("started" in row for row in points)
+    heads = (
+        f"{'Omega':>10}  {'epsilon from':>13}  {'to':>13}  {'mechanism':<18}  {'normal form':<24}"
+    )
     lines = [
         f"beta = {beta:g}, {driven_end}" if beta else "beta = 0",
-        f"{'Omega':>10}  {'epsilon from':>13}  {'to':>13}  {'mechanism':<18}  {'normal form':<24}",
+        heads + ("  simulator below, above" if started else ""),
     ]
     for row in points:
         upper = "-" if row["upper"] is None else f"{row['upper']:.8g}"
         known: dict[str, Any] | None = row["normal_form"]
         told = "" if known is None else f"{known['epsilon']:.8g} +- {known['error']:.1e}"
+        sides = row.get("started")
+        seen = "" if sides is None else f"  {sides['below']}, {sides['above'] or '-'}"
         lines.append(
             f"{row['omega']:10.6g}  {row['lower']:13.8g}  {upper:>13}  {row['mechanism']:<18}  "
-            f"{told}".rstrip()
+            f"{told:<24}{seen}".rstrip()
         )
     both = sum(row["agrees"] is not None for row in points)
     lines.append(

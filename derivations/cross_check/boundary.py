@@ -2,13 +2,18 @@ r"""The boundary ε_G(Ω) of the wave-less state of the paper's ropes, point by 
 
 Numerics: the branch of periodic states from rest is followed until it is lost
 (:mod:`numerics.periodic.loss`; for β = 0 the last circle found). Algebra: the fold or the tongue's
-edge of the nearest resonance's normal form, where that is in its range. Where the two differ by
-more than their errors they are named.
+edge of the nearest resonance's normal form, where that is in its range. If asked for, from both
+sides: the contact simulator started on the state a tenth below, and a tenth above
+(:mod:`numerics.thresholds.from_state`). Where they differ by more than their errors they are named.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import Any
+
+import numpy as np
 
 from derivations.cross_check.ropes import in_numbers
 
@@ -19,16 +24,25 @@ ORDER = 9
 RESONANCES = (*((p, q, 1) for p in (1, 2) for q in (1, 2, 3, 4)), (1, 1, 2))
 """(p, q, s) of the normal forms that are tried, sω_p/q."""
 
+MARGIN = 0.1
+"""Part of ε, below and above, at which the simulator starts."""
+FEWEST_PERIODS, MOST_PERIODS = 60, 600
+"""Of the drive that it runs."""
+FOLDINGS = 4.0
+"""Foldings by e of the fastest disturbance that it is given time for."""
+MODES = 10
+
 Point = dict[str, Any]
 
 
-def tasks(beta: float, driven_end: str, omegas: list[float]) -> list[Point]:
-    """One for each Ω.
+def tasks(beta: float, driven_end: str, omegas: list[float], started: bool = False) -> list[Point]:
+    """One for each Ω; ``started``: with runs of the simulator.
 
     >>> tasks(0.01, "pinned", [3.2])
     [{'beta': 0.01, 'driven_end': 'pinned', 'omega': 3.2}]
     """
-    return [{"beta": beta, "driven_end": driven_end, "omega": omega} for omega in omegas]
+    task = {"beta": beta, "driven_end": driven_end, **({"started": True} if started else {})}
+    return [{**task, "omega": omega} for omega in omegas]
 
 
 def specification() -> str:
@@ -46,12 +60,15 @@ def point(task: Point) -> Point:
     beta, omega = task["beta"], task["omega"]
     found = _string(omega) if beta == 0 else _rope(beta, task["driven_end"], omega)
     known = None if beta == 0 else _normal_form(beta, task["driven_end"], omega)
-    return {
+    row = {
         "omega": omega,
         **found,
         "normal_form": known,
         "agrees": None if known is None else _agrees(found, known),
     }
+    if task.get("started") and beta and found["lower"]:
+        row["started"] = _both_sides(_stated(beta, task["driven_end"])(omega), found)
+    return row
 
 
 def _string(omega: float) -> Point:
@@ -74,19 +91,25 @@ def _lower_bound(low: float, mechanism: str = "loss of regularity") -> Point:
     }
 
 
-def _rope(beta: float, driven_end: str, omega: float) -> Point:
+def _stated(beta: float, driven_end: str) -> Callable[[float], Any]:
+    """The rope for the numerics, by Ω."""
     from asymptotics.problems.presets import beam
-    from numerics.periodic.linear_rope import NoPeriodicStateError
-    from numerics.periodic.loss import loss
 
     rope = beam(driven_end=driven_end)
 
-    def stated(value: float) -> Any:
-        at = {"beta": beta, "Omega": value}
+    def stated(omega: float) -> Any:
+        at = {"beta": beta, "Omega": omega}
         return in_numbers(rope, rope.values(at), complex(rope.at(at).rest or 0).real)
 
+    return stated
+
+
+def _rope(beta: float, driven_end: str, omega: float) -> Point:
+    from numerics.periodic.linear_rope import NoPeriodicStateError
+    from numerics.periodic.loss import loss
+
     try:
-        found = loss(stated, omega)
+        found = loss(_stated(beta, driven_end), omega)
     except NoPeriodicStateError:
         return _lower_bound(0.0, "resonance")
     return {
@@ -99,6 +122,36 @@ def _rope(beta: float, driven_end: str, omega: float) -> Point:
         "end": found.end,
         "end_mechanism": found.end_mechanism.value,
     }
+
+
+def _both_sides(rope: Any, found: Point) -> Point:
+    """What the simulator does a tenth below and above, and for how many periods it was watched.
+
+    Beyond a fold it turns as slowly as the nearest multiplier does before it; beyond other losses
+    the fastest disturbance takes its time. Where that is more than there is, staying says nothing.
+    """
+    from numerics.periodic.linear_rope import NoPeriodicStateError
+    from numerics.periodic.stability import multipliers
+    from numerics.periodic.states import periodic_state
+    from numerics.thresholds.from_state import outcome
+
+    stable = periodic_state(rope, found["lower"] * (1 - MARGIN))
+    needed, above = FEWEST_PERIODS, None
+    if found["upper"] is not None:
+        epsilon = found["upper"] * (1 + MARGIN)
+        try:
+            beyond = periodic_state(rope, epsilon)
+            needed = round(FOLDINGS / math.log(abs(multipliers(beyond, MODES)).max()))
+        except NoPeriodicStateError:
+            beyond = stable
+            needed = round(2 * math.pi / abs(np.angle(multipliers(stable, MODES))).min())
+    periods = min(max(needed, FEWEST_PERIODS), MOST_PERIODS)
+    if found["upper"] is not None:
+        above = outcome(beyond, periods, epsilon)[0].value
+        if needed > periods and above == "stays":
+            above = "undecided"
+    below = outcome(stable, periods)[0].value
+    return {"margin": MARGIN, "below": below, "above": above, "periods": periods, "needed": needed}
 
 
 def _normal_form(beta: float, driven_end: str, omega: float) -> Point | None:
@@ -153,6 +206,7 @@ def disagreements(points: list[Point]) -> list[str]:
     """
     lines = []
     for row in points:
+        lines += _contradicted(row)
         if row["agrees"] is not False:
             continue
         known = row["normal_form"]
@@ -162,3 +216,18 @@ def disagreements(points: list[Point]) -> list[str]:
             f"{known['kind']} at {known['epsilon']:.6g} +- {known['error']:.2g} by the normal form"
         )
     return lines
+
+
+def _contradicted(row: Point) -> list[str]:
+    """What the simulator did on the wrong side, if it did."""
+    told = row.get("started")
+    if told is None:
+        return []
+    sides = [("below", "leaves", "lower", -1), ("above", "stays", "upper", 1)]
+    return [
+        f"Omega = {row['omega']:.6g}: {row['mechanism']} at {row[bound]:.6g} by states, but "
+        f"started at {row[bound] * (1 + sign * told['margin']):.6g} the simulator {wrong} "
+        f"({told['periods']} periods)"
+        for side, wrong, bound, sign in sides
+        if told[side] == wrong
+    ]

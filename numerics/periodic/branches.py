@@ -97,8 +97,8 @@ class BranchPoint:
 
     @property
     def amplitude(self) -> float:
-        """Half of what ξ_c goes to and fro, at the times of the state."""
-        return float(np.ptp(self.state.values)) / 2
+        """Half of what ξ_c goes to and fro."""
+        return self.state.amplitude
 
 
 @dataclass(frozen=True)

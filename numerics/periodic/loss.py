@@ -262,7 +262,6 @@ class _Walk:
         assert self.at_loss is not None
         low, high, mechanism, growth = self.found
         state = self.at_loss
-        amplitude = BranchPoint(state, None, 0.0, state.unknown).amplitude
         return Loss(
             self.omega,
             low,
@@ -270,7 +269,7 @@ class _Walk:
             mechanism,
             growth,
             resolved(state),
-            amplitude,
+            state.amplitude,
             *self.end,
         )
 

@@ -336,14 +336,16 @@ class Modes:
         unknown[rows] = -np.linalg.solve(matrix[rows, rows], left[rows])
         return unknown
 
-    def shape(self, unknown: Array, epsilon: float, x: Array, tau: Array, d: int = 0) -> Array:
-        """∂_ξ^d (W − g) of the lifted part at places and times of one length."""
-        wave = np.exp(
-            1j * np.outer(self.rope.omega / self.subharmonic * tau, np.arange(self.wave.shape[1]))
-        )
+    def shape(
+        self, unknown: Array, epsilon: float, x: Array, tau: Array, d: int = 0, rate: int = 0
+    ) -> Array:
+        """∂_ξ^d ∂_τ^rate (W − g) of the lifted part at places and times of one length."""
+        turning = self.rope.omega / self.subharmonic * np.arange(self.wave.shape[1])
+        wave = np.exp(1j * np.outer(tau, turning)) * (1j * turning) ** rate
         tables, every = self.left.tables(x, wave, d + 1)
         still, driven = self.left.forced
         forced = np.einsum("thr,hr->t", every[d], still + epsilon * driven).real
         total = tables[d] @ unknown[: self.left.unknowns] + forced
-        total += np.polyder(self.left.load, d)(x) - np.polyder(self.ground, d)(x)
+        if rate == 0:
+            total += np.polyder(self.left.load, d)(x) - np.polyder(self.ground, d)(x)
         return np.asarray(total)

@@ -26,6 +26,8 @@ FIRST, MOST = 8, 192
 """Harmonics to begin with, and to give up at."""
 
 _STEPS = 25
+# Times at which ξ_c is looked at for its extremes.
+_FINE = 1024
 # Relative size of coefficients that are left out. Rounding of what m derivatives cost is near it.
 _CHOPPED = 5e-12
 _HALVINGS = 8
@@ -76,15 +78,22 @@ class PeriodicState:
         turning = np.exp(np.asarray(tau, dtype=float)[..., None] * rates)
         return np.asarray((turning @ (rates**derivative * self.waves)).real)
 
-    def shape(self, xi: Any, tau: Any, derivative: int = 0) -> Array:
-        """∂_ξ^d (W − g) at places and times; zero on the ground."""
+    def shape(self, xi: Any, tau: Any, derivative: int = 0, rate: int = 0) -> Array:
+        """∂_ξ^d ∂_τ^rate (W − g) at places and times; zero on the ground."""
         x, t = np.broadcast_arrays(np.asarray(xi, dtype=float), np.asarray(tau, dtype=float))
         lifted = x < self.contact(t)
         found = np.zeros(x.shape)
         found[lifted] = self.modes.shape(
-            self.unknown, self.epsilon, x[lifted], t[lifted], derivative
+            self.unknown, self.epsilon, x[lifted], t[lifted], derivative, rate
         )
         return found
+
+    @cached_property
+    def amplitude(self) -> float:
+        """Half of what ξ_c goes to and fro, on a thousand times of a period."""
+        # Backwards in time and with another mean: neither matters here.
+        found = np.fft.irfft(self.waves, n=_FINE) * _FINE / 2
+        return float(np.ptp(found)) / 2
 
     @property
     def even(self) -> bool:

@@ -7,7 +7,7 @@ rests at may be any positive number.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import wraps
 from typing import Any, ParamSpec
@@ -145,6 +145,55 @@ def cosine(omega: float, epsilon: float) -> Drive:
         omega,
         lambda t: -epsilon * omega**2 * np.cos(omega * t),
     )
+
+
+@picklable
+def fourier(
+    omega: float,
+    waves: Mapping[int, complex],
+    level: float = 1.0,
+    begin: float = 1.0,
+    periods: float = 5.0,
+) -> Drive:
+    """Z = level + f(τ) Re Σ a_j e^{ijΩτ} for all τ ≥ 0, f going from ``begin`` to 1.
+
+    In so many periods, like :func:`ramped_cosine`'s r. At ``begin`` = 1 the start is sudden.
+
+    >>> drive = fourier(2.0, {1: 0.1, 3: -0.02j})
+    >>> wanted = 1 + 0.1 * np.cos(1.4) + 0.02 * np.sin(4.2)
+    >>> bool(abs(drive.height(np.array(0.7)) - wanted) < 1e-12)
+    True
+    """
+    omega, level, begin = frequency(omega), positive("level", level), finite("begin", begin)
+    length = positive("periods", periods) * 2 * math.pi / omega
+    rates = 1j * omega * np.array(sorted(waves), dtype=float)
+    sizes = np.array([complex(waves[j]) for j in sorted(waves)])
+    if not np.isfinite(sizes).all():
+        raise InputError(f"the amplitudes {dict(waves)!r} have to be finite")
+
+    def moved(t: Array) -> list[Array]:
+        turning = np.exp(np.asarray(t, dtype=float)[..., None] * rates)
+        return [np.asarray((turning @ (rates**d * sizes)).real) for d in range(3)]
+
+    def risen(t: Array) -> list[Array]:
+        step, rate, bend = smooth_step(np.asarray(t, dtype=float) / length)
+        part = 1 - begin
+        return [begin + part * step, part * rate / length, part * bend / length**2]
+
+    def height(t: Array) -> Array:
+        return level + risen(t)[0] * moved(t)[0]
+
+    def slope(t: Array) -> Array:
+        (z, v, _), (f, df, _) = moved(t), risen(t)
+        return df * z + f * v
+
+    def curvature(t: Array) -> Array:
+        (z, v, a), (f, df, ddf) = moved(t), risen(t)
+        return ddf * z + 2 * df * v + f * a
+
+    label = f"fourier {omega!r} {level!r} {sorted(waves.items())!r}"
+    label += "" if begin == 1 else f" from {begin!r} in {periods!r}"
+    return Drive(height, slope, label, omega, curvature)
 
 
 @picklable
