@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from derivations.commands.options import LIST, EndOption, JsonOption, PlotOption, numbers_of
+from derivations.commands.simulation import need
 from derivations.output import show, wrote
 
 if TYPE_CHECKING:
@@ -28,6 +29,15 @@ def boundary(
     workers: Annotated[
         int, typer.Option(metavar="COUNT", min=1, help="Processes that compute.")
     ] = 1,
+    refine: Annotated[
+        int,
+        typer.Option(
+            metavar="ROUNDS",
+            min=0,
+            max=8,
+            help="Of halving Ω where mechanism or ε change much between neighbours.",
+        ),
+    ] = 0,
     simulated: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Ramped thresholds to draw too: of ropewave figure2."),
@@ -46,7 +56,7 @@ def boundary(
     their errors are named.
     """
     from asymptotics.errors import InputError
-    from derivations.cross_check.boundary import disagreements, point, specification, tasks
+    from derivations.cross_check.boundary import between, disagreements, point, specification, tasks
     from derivations.progress import announce, progress
     from numerics.sweeps.sweep import sweep
 
@@ -56,14 +66,21 @@ def boundary(
         check_plot_path(plot)
     if simulated is not None and plot is None:
         raise InputError("--simulated adds points to a figure; give --plot as well")
+    if started:
+        need("numba")
     values = sorted(set(numbers_of("--omega", omegas)))
     if not values[0] > 0:
         raise InputError(f"--omega {values[0]!r}: frequencies have to be positive")
     drawn = [] if simulated is None else _ramped(simulated, beta)
-    todo = tasks(beta, driven_end, values, started)
-    announce(f"{len(todo)} points, less those kept", len(todo) * SECONDS / workers)
-    with progress("boundary", len(todo), as_json, fine=True) as report:
-        points = sweep(point, todo, data, specification(), workers, lambda done, _: report(done))
+    points: list[Point] = []
+    for _ in range(refine + 1):
+        todo = tasks(beta, driven_end, between(points) if points else values, started)
+        if not todo:
+            break
+        announce(f"{len(todo)} points, less those kept", len(todo) * SECONDS / workers)
+        with progress("boundary", len(todo), as_json, fine=True) as report:
+            new = sweep(point, todo, data, specification(), workers, lambda n, _: report(n))
+        points = sorted([*points, *new], key=lambda row: float(row["omega"]))
     named = disagreements(points)
     if plot is not None:
         from derivations.figures.boundary import plot_boundary

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from derivations.commands.options import (
     EpsilonOption,
@@ -23,11 +26,16 @@ from derivations.commands.ropes import (
     SetOption,
     asked,
 )
+from derivations.commands.simulation import need
 from derivations.output import show, wrote
 
 if TYPE_CHECKING:
     from numerics.periodic.stability import Stability
     from numerics.periodic.states import PeriodicState
+
+
+FOLDINGS = 4.0
+"""By e, that a disturbance is to grow before it is missed."""
 
 
 def state(
@@ -41,19 +49,30 @@ def state(
     drive: DriveOption = None,
     problem: ProblemOption = None,
     values: SetOption = None,
+    subharmonic: Annotated[
+        int,
+        typer.Option(metavar="s", min=1, max=2, help="2: of twice the drive's period."),
+    ] = 1,
+    simulate: Annotated[
+        int | None,
+        typer.Option(metavar="COUNT", min=8, help="Periods of a simulation that starts on it."),
+    ] = None,
     as_json: JsonOption = False,
     plot: PlotOption = None,
 ) -> None:
     """The periodic wave-less state at Ω and ε, not expanded in ε, and its Floquet multipliers.
 
-    It is the one that begins at rest: beyond a fold there is none. The rope has constant
-    coefficients.
+    It is the one that begins at rest: beyond a fold there is none. With --subharmonic 2 it is on
+    the branch that leaves this one at its first period doubling. The rope has constant
+    coefficients. --simulate starts the contact simulator on the state, on two grids, and says
+    whether it stays.
     """
     from asymptotics.checks import finite_number
     from asymptotics.errors import InputError
     from asymptotics.problems.presets import string
     from derivations.cross_check.ropes import in_numbers
     from derivations.progress import progress
+    from numerics.periodic.branches import doubled_state
     from numerics.periodic.states import periodic_state
 
     if plot is not None:
@@ -68,8 +87,13 @@ def state(
     at = {**rope.at, "Omega": omega}
     rest = complex(rope.rope.at(at).rest or 0).real
     stated = in_numbers(rope.rope, rope.rope.values(at), rest)
+    if simulate is not None:
+        need("numba")
     with progress("finding the state", 1.0, as_json):
-        found = periodic_state(stated, epsilon)
+        if subharmonic == 2:
+            found = doubled_state(stated, epsilon)
+        else:
+            found = periodic_state(stated, epsilon)
     height_left = found.clearance()
     if not height_left > 0:
         raise InputError(
@@ -78,6 +102,7 @@ def state(
             "elsewhere, and the wave-less state has ended; give a smaller epsilon"
         )
     judged, reason = _judged(found)
+    run = None if simulate is None else _simulated(found, simulate, as_json)
     if plot is not None:
         from derivations.figures.state import plot_state
 
@@ -100,9 +125,46 @@ def state(
         "multipliers": None
         if judged is None
         else [[float(x.real), float(x.imag)] for x in judged.multipliers],
+        **({} if run is None else {"simulated": run}),
     }
-    show(fields, _in_words(str(rope.rope), found, judged, reason, height_left), as_json)
+    words = _in_words(str(rope.rope), found, judged, reason, height_left)
+    if run is not None:
+        words += "\n" + _run_in_words(run, found, judged)
+    show(fields, words, as_json)
     wrote(plot)
+
+
+def _simulated(found: PeriodicState, periods: int, quiet: bool) -> dict[str, Any]:
+    """What a rope does that starts on the state."""
+    from derivations.progress import announce_compiling, progress
+    from numerics.thresholds.from_state import outcome
+
+    announce_compiling(quiet)
+    with progress("simulating", 1.0, quiet):
+        told, run = outcome(found, periods)
+    return {
+        "outcome": told.value,
+        "periods": periods,
+        "rate": None if math.isnan(run.rate) else run.rate,
+        "rate_error": None if math.isnan(run.rate_error) else run.rate_error,
+        "left": run.left,
+        "shed": run.shed,
+    }
+
+
+def _run_in_words(run: dict[str, Any], found: PeriodicState, judged: Stability | None) -> str:
+    told = f"simulated {run['periods']} periods, started on the state: {run['outcome']}"
+    if judged is not None and judged.verdict == "unstable" and run["outcome"] != "leaves":
+        each = math.log(abs(judged.multipliers[0]))
+        wanted = math.ceil(FOLDINGS / each * found.modes.subharmonic)
+        told += f" (the fastest disturbance needs some {wanted} periods to be seen)"
+    if run["rate"] is not None:
+        told += f"; disturbances change at {run['rate']:.5f} +- {run['rate_error']:.5f} per tau"
+        if judged is not None:
+            told += f" on the finer grid, by multipliers {judged.growth:.5f}"
+    if run["shed"]:
+        told += "; waves are shed"
+    return told
 
 
 def _judged(found: PeriodicState) -> tuple[Stability | None, str | None]:
@@ -130,9 +192,10 @@ def _in_words(
         f"xi_c: error {found.error:.1e}, {resolved(found)} harmonics; least height "
         f"{height_left:.3g} of that at rest",
     ]
+    angle = "theta" if found.modes.subharmonic == 1 else f"theta/{found.modes.subharmonic}"
     for j, c in enumerate(found.waves[:9].tolist()):
-        sine = "" if found.even else f"  {c.imag:+.14g} sin {j} theta"
-        lines.append(f"  {c.real:+.14g} cos {j} theta{sine}")
+        sine = "" if found.even else f"  {c.imag:+.14g} sin {j} {angle}"
+        lines.append(f"  {c.real:+.14g} cos {j} {angle}{sine}")
     if judged is None:
         return "\n".join([*lines, f"stability: undecided; {reason}"])
     largest = judged.multipliers[0]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,8 @@ FEWEST_PERIODS, MOST_PERIODS = 60, 600
 FOLDINGS = 4.0
 """Foldings by e of the fastest disturbance that it is given time for."""
 MODES = 10
+STEEP, NARROWEST = 2.0, 1e-3
+"""Of neighbours in ε, above which one is put between them; and in Ω, below which none is."""
 
 Point = dict[str, Any]
 
@@ -194,6 +197,22 @@ def _agrees(found: Point, known: Point) -> bool:
     return bool(
         found["mechanism"] == known["kind"] and low <= found["upper"] and high >= found["lower"]
     )
+
+
+def between(points: list[Point]) -> list[float]:
+    """Ω halfway between neighbours of another mechanism, or an ε that differs by more than two.
+
+    >>> row = {"omega": 3.0, "lower": 1e-3, "mechanism": "fold"}
+    >>> between([row, {**row, "omega": 3.1}, {**row, "omega": 3.2, "lower": 3e-3}])
+    [3.15]
+    """
+    found = []
+    for one, two in pairwise(sorted(points, key=lambda row: row["omega"])):
+        apart = (two["omega"] - one["omega"]) / one["omega"]
+        low, high = sorted((one["lower"], two["lower"]))
+        if apart > NARROWEST and (one["mechanism"] != two["mechanism"] or high > STEEP * low):
+            found.append(round((one["omega"] + two["omega"]) / 2, 12))
+    return found
 
 
 def disagreements(points: list[Point]) -> list[str]:

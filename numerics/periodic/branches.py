@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from numerics.errors import InputError
 from numerics.periodic.linear_rope import Array, LinearRope, NoPeriodicStateError
 from numerics.periodic.modes import Modes
-from numerics.periodic.states import MOST, PeriodicState, resolved
+from numerics.periodic.states import MOST, PeriodicState, periodic_state, resolved
 
 Indices = NDArray[Any]
 Ropes = Callable[[float], LinearRope]
@@ -54,6 +54,8 @@ _LOCATED = 2.0**-20
 _LOOK = (40, 96)
 # Harmonics up to which period doublings are looked for.
 _DOUBLED = 96
+# Longest step where only the branch's own turns are to limit it.
+_FREE = 1e6
 # Of Ω, for the difference quotient by Ω: its error is the square of it.
 _DIFFERENCE = 1e-5
 
@@ -545,3 +547,60 @@ def switched(point: BranchPoint) -> tuple[PeriodicState, Array]:
     way = np.append(vectors[-1], 0.0)
     size = abs(way[-big.times - 1 : -1]).max()
     return PeriodicState(big, point.epsilon, unknown, float(abs(left).max())), way / size
+
+
+def doubled_state(rope: LinearRope, epsilon: float, highest: float = 0.5) -> PeriodicState:
+    """The state of twice the drive's period at ε, on the branch of the first period doubling.
+
+    Parameters
+    ----------
+    rope
+        The rope; Ω is its own.
+    epsilon
+        ε > 0, on either side of the period doubling.
+    highest
+        Up to where that is sought.
+
+    Raises
+    ------
+    InputError
+        An ε that is not between 0 and the highest.
+    NoPeriodicStateError
+        The branch from rest has no period doubling up to the highest ε, or the other branch does
+        not come to ε.
+    """
+    if not 0 < epsilon <= highest:
+        raise InputError(f"epsilon = {epsilon!r}; give a number above 0, up to {highest!r}")
+
+    def ropes(_: float) -> LinearRope:
+        return rope
+
+    first = min(1e-3 * highest, epsilon / 2)
+    walk = follow(
+        ropes, periodic_state(rope, first), "epsilon", first, (0.0, highest), longest=60.0
+    )
+    doubling = None
+    try:
+        doubling = next((point for point in walk if point.kind == "period doubling"), None)
+    except NoPeriodicStateError as error:
+        raise NoPeriodicStateError(f"no period doubling; from rest {error}") from error
+    if doubling is None:
+        raise NoPeriodicStateError(
+            f"Omega = {rope.omega!r}: the branch from rest has no period doubling up to epsilon = "
+            f"{highest!r}; try nearer to twice a free frequency"
+        )
+    start, tangent = switched(doubling)
+    limits = (epsilon, highest) if epsilon < doubling.epsilon else (0.0, epsilon)
+    step = max(abs(epsilon - doubling.epsilon) / 20, 1e-6 * epsilon)
+    last, ended = start, ""
+    try:
+        for point in follow(ropes, start, "epsilon", step, limits, 120, tangent, _FREE):
+            last = point.state
+    except NoPeriodicStateError as error:
+        ended = f": {error}"
+    if abs(last.epsilon - epsilon) > 1e-9 * epsilon:
+        raise NoPeriodicStateError(
+            f"the branch of twice the period, from epsilon = {doubling.epsilon:.8g} on, does not "
+            f"come to {epsilon!r}; it was followed to {last.epsilon:.8g}{ended}"
+        )
+    return periodic_state(rope, epsilon, start.modes.subharmonic, last)

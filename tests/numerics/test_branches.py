@@ -1,6 +1,7 @@
 """Branches of periodic states: folds, period doublings, the doubled branch, two ways to a state."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from numerics.errors import InputError
 from numerics.periodic import branches
-from numerics.periodic.branches import BranchPoint, embedded, follow, switched
+from numerics.periodic.branches import BranchPoint, doubled_state, embedded, follow, switched
 from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError
 from numerics.periodic.modes import Modes
 from numerics.periodic.stability import multipliers
@@ -110,6 +111,18 @@ def test_arguments(change: dict, message: str) -> None:
     given = {"free": "epsilon", "step": 1e-3, "limits": (0.0, 0.02), **change}
     with pytest.raises(InputError, match=message):
         next(follow(at, periodic_state(at(2.2), 0.01), **given))
+
+
+def test_states_of_twice_the_period() -> None:
+    """On the way to its branch's beginning at 2.54022e-3 the half harmonic goes like a root."""
+    near, far = (doubled_state(at(6.45), epsilon) for epsilon in (2.52e-3, 2.46e-3))
+    assert near.modes.subharmonic == 2
+    ratio = (2.54022e-3 - 2.46e-3) / (2.54022e-3 - 2.52e-3)
+    assert abs(far.waves[1]) / abs(near.waves[1]) == pytest.approx(math.sqrt(ratio), rel=0.02)
+    assert max(near.error, far.error) < 1e-9
+    for epsilon in (0.0, -1e-3, 0.6):
+        with pytest.raises(InputError, match="above 0"):
+            doubled_state(at(6.45), epsilon)
 
 
 def test_only_period_doublings_are_switched(folded: list[BranchPoint]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -241,6 +242,27 @@ def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None
         assert code == 0
         assert "neutral" in out
     assert plots[0].read_bytes() == plots[1].read_bytes()
+
+
+@pytest.mark.slow
+def test_the_command_of_twice_the_period_and_the_simulator(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    wanted = ["state", "--omega", "6.45", "--beta", ".01", "--subharmonic", "2", "--epsilon"]
+    code, out, _ = said([*wanted, "0.002", "--simulate", "200", "--json"], capsys)
+    found = json.loads(out)
+    assert code == 0
+    assert (found["subharmonic"], found["stable"]) == (2, "unstable")
+    assert abs(found["contact_sine"][1]) == pytest.approx(0.0381992, abs=1e-6)
+    told = found["simulated"]
+    assert told["outcome"] == "leaves"
+    growth = math.log(math.hypot(*found["multipliers"][0])) / (4 * math.pi / 6.45)
+    assert 0.5 * growth < told["rate"] < growth  # grids damp
+    code, out, _ = said([*wanted, "0.002", "--simulate", "8"], capsys)
+    assert "needs some 205 periods to be seen" in out
+    code, out, err = said(["state", *wanted[3:], "0.01", "--omega", "2.2"], capsys)
+    assert code != 0
+    assert "no period doubling" in err
 
 
 def test_the_command_without_a_verdict_says_why(

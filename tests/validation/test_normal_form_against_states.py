@@ -6,6 +6,7 @@ import pytest
 from asymptotics.problems.presets import beam
 from asymptotics.resonances.normal_form import normal_form
 from derivations.cross_check.ropes import in_numbers
+from numerics.periodic.branches import doubled_state
 from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError
 from numerics.periodic.stability import multipliers
 from numerics.periodic.states import periodic_state
@@ -53,3 +54,17 @@ def test_a_multiplier_passes_minus_one_at_the_edge(omega: float, order: int) -> 
     assert abs(worst) > 1 + 1e-4
     assert worst.real < -1
     assert abs(worst.imag) < 1e-8
+
+
+@pytest.mark.slow
+def test_the_state_of_twice_the_period() -> None:
+    """b = ∂^{m−1} w_J at ξ₀ of the state, w continued beyond ξ_c, is the only root but zero."""
+    form = normal_form(beam(), {"beta": "0.01"}, 1, 1, 6.45, 10, subharmonic=2)
+    for epsilon, error in ((2.4e-3, 5e-5), (2e-3, 1e-5)):
+        state = doubled_state(stated(6.45), epsilon)
+        modes = state.modes
+        rest = np.full(modes.times, modes.rope.rest)
+        slopes = modes.shape(state.unknown, epsilon, rest, modes.tau, modes.rope.contacts - 1)
+        found = 2 * abs(np.fft.fft(slopes)[1]) / modes.times / abs(form.leading)
+        (amplitude,) = (a for a in form.amplitudes(epsilon) if 0 < a < 0.1)
+        assert found == pytest.approx(amplitude, rel=error)
