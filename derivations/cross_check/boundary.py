@@ -18,7 +18,7 @@ import numpy as np
 
 from derivations.cross_check.ropes import in_numbers
 
-FORMAT = 1
+FORMAT = 2
 """Counts up whenever older points are no longer comparable."""
 
 ORDER = 9
@@ -31,7 +31,7 @@ FEWEST_PERIODS, MOST_PERIODS = 60, 600
 """Of the drive that it runs."""
 FOLDINGS = 4.0
 """Foldings by e of the fastest disturbance that it is given time for."""
-MODES = 10
+MODES, ACCURACY = 10, 1e-8
 STEEP, NARROWEST = 2.0, 1e-3
 """Of neighbours in ε, above which one is put between them; and in Ω, below which none is."""
 
@@ -88,6 +88,7 @@ def _lower_bound(low: float, mechanism: str = "loss of regularity") -> Point:
         "mechanism": mechanism,
         "growth": None,
         "harmonics": None,
+        "decay": None,
         "amplitude": None,
         "end": low,
         "end_mechanism": mechanism,
@@ -121,6 +122,7 @@ def _rope(beta: float, driven_end: str, omega: float) -> Point:
         "mechanism": found.mechanism.value,
         "growth": found.growth,
         "harmonics": found.harmonics,
+        "decay": found.decay,
         "amplitude": found.amplitude,
         "end": found.end,
         "end_mechanism": found.end_mechanism.value,
@@ -138,12 +140,12 @@ def _both_sides(rope: Any, found: Point) -> Point:
     from numerics.periodic.states import periodic_state
     from numerics.thresholds.from_state import outcome
 
-    stable = periodic_state(rope, found["lower"] * (1 - MARGIN))
+    stable = periodic_state(rope, found["lower"] * (1 - MARGIN), accuracy=ACCURACY)
     needed, above = FEWEST_PERIODS, None
     if found["upper"] is not None:
         epsilon = found["upper"] * (1 + MARGIN)
         try:
-            beyond = periodic_state(rope, epsilon)
+            beyond = periodic_state(rope, epsilon, accuracy=ACCURACY)
             needed = round(FOLDINGS / math.log(abs(multipliers(beyond, MODES)).max()))
         except NoPeriodicStateError:
             beyond = stable

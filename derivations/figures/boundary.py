@@ -15,7 +15,8 @@ _MARKS = {
     "period doubling": ("s", "#009E73"),
     "other instability": ("D", "#CC79A7"),
     "interior graze": ("X", "black"),
-    "loss of regularity": ("^", "#0072B2"),
+    "not resolved": ("^", "#0072B2"),
+    "loss of regularity": ("v", "#0072B2"),
     "none": ("1", "#999999"),
 }
 # Rows of one resonance's normal form are joined when they are this near, part of Ω.
@@ -40,7 +41,7 @@ def plot_boundary(
         for mechanism, (mark, ink) in _MARKS.items():
             rows = [p for p in points if p["mechanism"] == mechanism and p["lower"] > 0]
             if rows:
-                bound = mechanism in ("loss of regularity", "none")
+                bound = mechanism in ("not resolved", "loss of regularity", "none")
                 axes.plot(
                     [p["omega"] for p in rows],
                     [p["lower"] for p in rows],

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from numerics.errors import InputError
 from numerics.periodic.linear_rope import Array, LinearRope, NoPeriodicStateError
 from numerics.periodic.modes import Modes
-from numerics.periodic.states import MOST, PeriodicState, periodic_state, resolved
+from numerics.periodic.states import ACCURACY, MOST, PeriodicState, periodic_state, resolved
 
 Indices = NDArray[Any]
 Ropes = Callable[[float], LinearRope]
@@ -365,6 +365,7 @@ def follow(
     points: int = 400,
     tangent: Array | None = None,
     longest: float = 4.0,
+    accuracy: float = ACCURACY,
 ) -> Iterator[BranchPoint]:
     """The points of the branch through a state, one a step, located bifurcations between them.
 
@@ -386,6 +387,8 @@ def follow(
         Where to go first, in the place of λ's own way: :func:`switched` gives one.
     longest
         The longest step in units of the first one.
+    accuracy
+        As of :func:`~numerics.periodic.states.periodic_state`.
 
     Raises
     ------
@@ -423,7 +426,7 @@ def follow(
         ahead, count = moved
         inside = limits[0] <= ahead.z[-1] <= limits[1]
         try:
-            further = _resolved(follower, ahead) if inside else (follower, ahead)
+            further = _resolved(follower, ahead, accuracy) if inside else (follower, ahead)
         except NoPeriodicStateError:
             # In a gap that a high harmonic makes; a little before or behind it there is a state.
             if dodged == len(_DODGES):
@@ -453,9 +456,9 @@ def follow(
         length = min(longest, length * _GROWN) if count <= 4 else length
 
 
-def _resolved(follower: _Follower, place: _Place) -> tuple[_Follower, _Place]:
+def _resolved(follower: _Follower, place: _Place, accuracy: float) -> tuple[_Follower, _Place]:
     """A place on as many harmonics as it needs."""
-    while resolved(follower.curve.state(place.z)) > follower.kept:
+    while resolved(follower.curve.state(place.z), accuracy) > follower.kept:
         follower, place = _finer(follower, place)
     return follower, place
 

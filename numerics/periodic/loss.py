@@ -8,10 +8,13 @@ loss:
 * another *instability*: a pair of multipliers leaves the unit circle elsewhere (two free modes
   whose frequencies add up to a multiple of Ω), by two numbers of modes;
 * an interior *graze*: the lifted part comes down to the ground before ξ_c;
-* *loss of regularity*: the state needs more harmonics than there are; that is a lower bound only.
+* *not resolved*: the state needs more harmonics than there are, or is lost in the rounding of the
+  highest; that is a lower bound only. How fast the harmonics still decay tells whether the state is
+  losing its regularity there.
 
 An unstable state still exists: what ends the branch is told, too. Everything is done on two numbers
-of harmonics, and the interval covers both.
+of harmonics, and the interval covers both. Multipliers are looked at whenever ε has grown by 15 %:
+a narrower window of instability is not seen.
 """
 
 from __future__ import annotations
@@ -26,16 +29,20 @@ from numerics.periodic.branches import BranchPoint, Ropes, follow
 from numerics.periodic.linear_rope import NoPeriodicStateError
 from numerics.periodic.modes import Modes
 from numerics.periodic.stability import TOLERANCE, multipliers, stability
-from numerics.periodic.states import PeriodicState, periodic_state, resolved, solve
+from numerics.periodic.states import PeriodicState, decay, periodic_state, resolved, solve
 
 _FIRST, _LEAST = 1e-3, 1e-9
 """The first ε, part of the largest; and below which no state is sought."""
 _STEPS, _LONGEST = 400, 60.0
 _FEW_MODES = 10
+# Harmonics that are left out, relative: what rounding leaves where the state is large.
+_ACCURACY = 1e-8
 # Relative width to which instabilities and grazes are bracketed.
 _WIDTH = 1e-3
 # Multipliers of later points are not computed closer together than this, part of ε.
 _APART = 0.03
+# And not farther apart than this: windows of instability that are narrower may be missed.
+_GAP = 0.15
 
 
 class Mechanism(Enum):
@@ -45,7 +52,7 @@ class Mechanism(Enum):
     DOUBLING = "period doubling"
     INSTABILITY = "other instability"
     GRAZE = "interior graze"
-    REGULARITY = "loss of regularity"
+    UNRESOLVED = "not resolved"
     NONE = "none"
 
 
@@ -64,8 +71,8 @@ class Loss:
         What happens between.
     growth
         Rate of the fastest disturbance at the first point beyond; None where there is no state.
-    harmonics
-        Of Ω that the state needs there.
+    harmonics, decay
+        Of Ω that the state needs there, and the rate at which they decay.
     amplitude
         Half the way of ξ_c at ``lower``.
     end, end_mechanism
@@ -78,6 +85,7 @@ class Loss:
     mechanism: Mechanism
     growth: float | None
     harmonics: int
+    decay: float
     amplitude: float
     end: float
     end_mechanism: Mechanism
@@ -153,15 +161,22 @@ class _Walk:
         limits = (0.0, self.highest)
         try:
             for point in follow(
-                self.ropes, start, "epsilon", step, limits, _STEPS, longest=_LONGEST
+                self.ropes,
+                start,
+                "epsilon",
+                step,
+                limits,
+                _STEPS,
+                longest=_LONGEST,
+                accuracy=_ACCURACY,
             ):
                 if self._seen(point):
                     return
         except NoPeriodicStateError:
             assert self.last is not None
-            self.end = self.last.epsilon, Mechanism.REGULARITY
+            self.end = self.last.epsilon, Mechanism.UNRESOLVED
             if self.found is None:
-                self._lost(self.last.epsilon, None, Mechanism.REGULARITY, None, self.last.state)
+                self._lost(self.last.epsilon, None, Mechanism.UNRESOLVED, None, self.last.state)
 
     def _seen(self, point: BranchPoint) -> bool:
         """Whether the branch ends here."""
@@ -195,40 +210,60 @@ class _Walk:
         self.found, self.at_loss = (low, high, mechanism, growth), state
 
     def _judge(self, point: BranchPoint) -> None:
-        """Multipliers, where no loss was found before."""
+        """Multipliers at a point, and on the way to it, where no loss was found before."""
         if self.found is not None:
             return
         if self.last is not None and point.epsilon < self.judged * (1 + _APART):
             return
-        if abs(multipliers(point.state, _FEW_MODES)).max() > 1 + TOLERANCE:
-            verdict = stability(point.state)
-            if verdict.verdict == "unstable":
-                worst = verdict.multipliers[0]
-                # −1 is passed along the real axis, and the path there may be short.
-                doubled = worst.real < 0 and abs(worst.imag) <= 1e-6 * abs(worst)
-                mechanism = Mechanism.DOUBLING if doubled else Mechanism.INSTABILITY
-                low, high = self._onset(point)
-                if doubled and self.doubling is not None:
-                    near, far = self._twice(self.doubling)
-                    if low * (1 - _WIDTH) <= near and far <= high * (1 + _WIDTH):
-                        low, high = near, far
-                self._lost(low, high, mechanism, verdict.growth, point.state)
-        self.judged = point.epsilon
+        between = []
+        if self.last is not None and point.epsilon > self.last.epsilon:
+            count = math.ceil(math.log(point.epsilon / self.judged) / math.log(1 + _GAP))
+            ratio = point.epsilon / self.judged
+            between = [self.judged * ratio ** (k / count) for k in range(1, count)]
+        for epsilon in between:
+            try:
+                state = periodic_state(self.rope, epsilon, accuracy=_ACCURACY)
+            except NoPeriodicStateError:
+                continue
+            if self._unstable(state):
+                return
+            self.judged = epsilon
+        if not self._unstable(point.state):
+            self.judged = point.epsilon
 
-    def _onset(self, point: BranchPoint) -> tuple[float, float]:
-        """Between the last stable point and an unstable one, by bisection."""
+    def _unstable(self, state: PeriodicState) -> bool:
+        """Whether a state is, for sure; then the loss is located."""
+        if abs(multipliers(state, _FEW_MODES)).max() <= 1 + TOLERANCE:
+            return False
+        verdict = stability(state)
+        if verdict.verdict != "unstable":
+            return False
+        worst = verdict.multipliers[0]
+        # −1 is passed along the real axis, and the path there may be short.
+        doubled = worst.real < 0 and abs(worst.imag) <= 1e-6 * abs(worst)
+        mechanism = Mechanism.DOUBLING if doubled else Mechanism.INSTABILITY
+        low, high = self._onset(state.epsilon)
+        if doubled and self.doubling is not None:
+            near, far = self._twice(self.doubling)
+            if low * (1 - _WIDTH) <= near and far <= high * (1 + _WIDTH):
+                low, high = near, far
+        self._lost(low, high, mechanism, verdict.growth, state)
+        return True
+
+    def _onset(self, above: float) -> tuple[float, float]:
+        """Between the last stable ε and an unstable one, by bisection."""
 
         def unstable(epsilon: float) -> bool:
-            state = periodic_state(self.rope, epsilon)
+            state = periodic_state(self.rope, epsilon, accuracy=_ACCURACY)
             return bool(abs(multipliers(state, _FEW_MODES)).max() > 1 + TOLERANCE)
 
-        return _bisected(unstable, self.judged, point.epsilon)
+        return _bisected(unstable, self.judged, above)
 
     def _graze(self, point: BranchPoint) -> tuple[float, float]:
         """Where the clearance ends."""
 
         def below(epsilon: float) -> bool:
-            return periodic_state(self.rope, epsilon).clearance() <= 0
+            return periodic_state(self.rope, epsilon, accuracy=_ACCURACY).clearance() <= 0
 
         return _bisected(below, 0.0 if self.last is None else self.last.epsilon, point.epsilon)
 
@@ -245,7 +280,9 @@ class _Walk:
             return here, here
         step = max((here - last.epsilon) / 4, 1e-6 * here)
         try:
-            for other in follow(self.ropes, found, "epsilon", step, (0.0, self.highest), 60):
+            for other in follow(
+                self.ropes, found, "epsilon", step, (0.0, self.highest), 60, accuracy=_ACCURACY
+            ):
                 if other.kind == point.kind:
                     near, apart = other.epsilon, abs(other.epsilon - here)
                     return min(near, here) - apart, max(near, here) + apart
@@ -268,7 +305,8 @@ class _Walk:
             high,
             mechanism,
             growth,
-            resolved(state),
+            resolved(state, _ACCURACY),
+            decay(state, _ACCURACY),
             state.amplitude,
             *self.end,
         )

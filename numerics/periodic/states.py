@@ -28,8 +28,12 @@ FIRST, MOST = 8, 192
 _STEPS = 25
 # Times at which ξ_c is looked at for its extremes.
 _FINE = 1024
-# Relative size of coefficients that are left out. Rounding of what m derivatives cost is near it.
-_CHOPPED = 5e-12
+ACCURACY = 5e-12
+"""Relative size of coefficients that are left out: rounding of what m derivatives cost is near.
+
+Far from rest it is more. The harmonics that decay along the rope are continued from ξ_c to ξ_c, and
+what e^{λξ} gains on the way multiplies the rounding: 1e-9 at an amplitude of ξ_c of 0.15, β = .01.
+"""
 _HALVINGS = 8
 # More harmonics than this and a branch that ends is believed.
 _FOLDS_KNOWN = 60
@@ -262,7 +266,11 @@ def _near(modes: Modes, ended: PeriodicState, found: PeriodicState, moved: Array
 
 
 def periodic_state(
-    rope: LinearRope, epsilon: float, subharmonic: int = 1, near: PeriodicState | None = None
+    rope: LinearRope,
+    epsilon: float,
+    subharmonic: int = 1,
+    near: PeriodicState | None = None,
+    accuracy: float = ACCURACY,
 ) -> PeriodicState:
     """The periodic state at ε, with the harmonics it needs and an estimate of its error.
 
@@ -277,6 +285,8 @@ def periodic_state(
         period whatever s is.
     near
         A state to begin from, in the place of rest.
+    accuracy
+        Relative size of the harmonics of ξ_c that are left out.
 
     Raises
     ------
@@ -299,7 +309,7 @@ def periodic_state(
         raise InputError(f"subharmonic = {subharmonic!r}; give a whole number from 1 to 8")
     harmonics = FIRST * subharmonic
     if near is not None:
-        harmonics = max(harmonics, resolved(near))
+        harmonics = max(harmonics, resolved(near, accuracy))
     while True:
         try:
             state = _on(rope, epsilon, 2 * harmonics + 1, subharmonic, near)
@@ -308,7 +318,7 @@ def periodic_state(
             if harmonics > _FOLDS_KNOWN * subharmonic:
                 raise
         else:
-            if resolved(state) <= 2 * harmonics // 3:
+            if resolved(state, accuracy) <= 2 * harmonics // 3:
                 break
             near = state
         harmonics += (harmonics + 1) // 2
@@ -322,8 +332,20 @@ def periodic_state(
     return replace(state, error=max(error, state.residual))
 
 
-def resolved(state: PeriodicState) -> int:
+def resolved(state: PeriodicState, accuracy: float = ACCURACY) -> int:
     """The last harmonic of ξ_c that counts."""
     size = abs(state.waves)
-    heard = np.flatnonzero(size > _CHOPPED * size.max())
+    heard = np.flatnonzero(size > accuracy * size.max())
     return int(heard[-1])
+
+
+def decay(state: PeriodicState, accuracy: float = ACCURACY) -> float:
+    """The rate at which the harmonics of ξ_c decay, |c_j| ~ e^{−rate j}: over its last half.
+
+    A state that loses its regularity has ever less of it: 0 is a ξ_c that is not smooth.
+    """
+    size, last = abs(state.waves), resolved(state, accuracy)
+    # From the top, so that gaps in the spectrum do not count.
+    envelope = np.maximum.accumulate(size[last::-1])[::-1]
+    first = last // 2
+    return float(math.log(envelope[first] / envelope[last]) / max(last - first, 1))

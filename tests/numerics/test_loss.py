@@ -8,7 +8,7 @@ from numerics.errors import InputError
 from numerics.periodic.linear_rope import NoPeriodicStateError
 from numerics.periodic.loss import Loss, Mechanism, loss
 from numerics.periodic.stability import multipliers
-from numerics.periodic.states import periodic_state
+from numerics.periodic.states import decay, periodic_state, resolved
 from tests.numerics.test_states import rope
 
 
@@ -43,6 +43,32 @@ def test_the_period_doubling() -> None:
         for e in (0.998 * lost.lower, 1.002 * lost.upper)
     )
     assert below < 1 + 1e-6 < above
+
+
+@pytest.mark.slow
+def test_a_window_of_instability_is_not_stepped_over() -> None:
+    """At Ω = 6.4 from .00348 to below .0051, where steps along the branch are longer."""
+    lost = found(6.4, 0.008)
+    assert lost.mechanism is Mechanism.INSTABILITY
+    assert lost.lower == pytest.approx(3.4845e-3, rel=2e-3)
+    beyond, again = (
+        abs(multipliers(periodic_state(rope(6.4), e), 14)).max() for e in (3.6e-3, 5.1e-3)
+    )
+    assert beyond > 1 + 1e-4
+    assert again < 1 + 1e-6
+
+
+def test_the_rate_of_decay() -> None:
+    """Of the string: its circle is analytic, the less the farther it is driven."""
+    rates = []
+    for epsilon in (0.02, 0.04, 0.06):
+        state = periodic_state(rope(2.2, 0.0), epsilon)
+        rates.append(decay(state))
+        last = resolved(state)
+        size = abs(state.waves)
+        fitted = np.polyfit(np.arange(last // 2, last + 1), np.log(size[last // 2 : last + 1]), 1)
+        assert rates[-1] == pytest.approx(-fitted[0], rel=0.2)
+    assert rates[0] > rates[1] > rates[2] > 0.2
 
 
 @pytest.mark.slow
