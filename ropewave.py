@@ -69,8 +69,9 @@ _NUMERICS = {
     "exact_string.invariant_circle": "circle_at_rotation invariant_circle",
     "exact_string.rotation": "Noble noble",
     "files.checkpoint": "resume save_checkpoint",
-    "periodic.branches": "follow switched",
+    "periodic.branches": "doubled_state follow switched",
     "periodic.linear_rope": "LinearRope",
+    "periodic.loci": "locus",
     "periodic.loss": "loss",
     "periodic.stability": "multipliers stability",
     "periodic.states": "PeriodicState periodic_state",
@@ -81,6 +82,7 @@ _NUMERICS = {
     "simulation.contact": "Simulator",
     "simulation.run": "Run simulate",
     "sweeps.sweep": "sweep",
+    "thresholds.from_state": "departure",
     "thresholds.threshold": "threshold",
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
@@ -30,6 +31,7 @@ from derivations.output import show, wrote
 if TYPE_CHECKING:
     from numerics.periodic.branches import BranchPoint
     from numerics.periodic.linear_rope import LinearRope
+    from numerics.periodic.loci import LocusPoint
 
 FEWEST_STEPS = 20
 """Of the first length in the way that is asked for."""
@@ -57,6 +59,12 @@ def branch(
     stable: Annotated[
         bool, typer.Option("--stability/--no-stability", help="Floquet multipliers at each point.")
     ] = True,
+    curve: Annotated[
+        float | None,
+        typer.Option(
+            metavar="Ω", help="Follow the first fold or period doubling in the plane, to this Ω."
+        ),
+    ] = None,
     beta: BendingOption = None,
     driven_end: EndOption = None,
     damping: DampingOption = None,
@@ -69,7 +77,8 @@ def branch(
     """The branch of periodic states that begins at --epsilon and --omega, by its arclength.
 
     It is followed past folds until ε or Ω leaves the interval between where it began and --to (0
-    and --to, for ε). Folds, period doublings and other branches are located on the way.
+    and --to, for ε). Folds, period doublings and other branches are located on the way. With
+    --curve the first fold or period doubling is followed further, ε as a function of Ω.
     """
     from asymptotics.checks import finite_number
     from asymptotics.errors import InputError
@@ -93,12 +102,76 @@ def branch(
     )
     verdicts: list[str | None] = _verdicts(found, as_json) if stable else [None] * len(found)
     fields = _fields(rope, free, found, verdicts, ended)
-    if plot is not None:
+    words = _in_words(rope, free, found, verdicts, ended)
+    if curve is not None:
+        kind, followed, lost = _curve(rope, found, finite_number("--curve", curve), as_json)
+        fields["curve"] = {
+            "kind": kind,
+            "points": [{"omega": p.omega, "epsilon": p.epsilon, "kind": p.kind} for p in followed],
+            "ended": lost,
+        }
+        words += "\n" + _curve_in_words(kind, followed, lost)
+        if plot is not None:
+            from derivations.figures.branch import plot_curve
+
+            plot_curve(kind, followed, plot)
+    elif plot is not None:
         from derivations.figures.branch import plot_branch
 
         plot_branch(found, verdicts, free, plot)
-    show(fields, _in_words(rope, free, found, verdicts, ended), as_json)
+    show(fields, words, as_json)
     wrote(plot)
+
+
+def _curve(
+    rope: Asked, found: list[BranchPoint], to: float, quiet: bool
+) -> tuple[str, list[LocusPoint], str | None]:
+    """Its kind, the points, and why there are no more."""
+    from asymptotics.errors import InputError
+    from derivations.progress import progress
+    from numerics.periodic.linear_rope import NoPeriodicStateError
+    from numerics.periodic.loci import KINDS, locus
+
+    start = next((point for point in found if point.kind in KINDS), None)
+    if start is None or start.state.modes.subharmonic > 1:
+        raise InputError(
+            "--curve: there is no fold and no period doubling of the drive's period on this "
+            "branch; go farther by --to, or begin elsewhere"
+        )
+    if not to > 0 or to == start.omega:
+        raise InputError(f"--curve {to!r}: give a positive Omega other than {start.omega!r}")
+    limits = (min(to, start.omega) * 0.999, to) if to > start.omega else (to, start.omega * 1.001)
+    followed: list[LocusPoint] = []
+    ended: str | None = None
+    with progress(f"following the {start.kind}", 1.0, quiet) as report:
+        try:
+            step = (to - start.omega) / FEWEST_STEPS
+            for point in locus(_stated(rope), start, step, limits):
+                followed.append(point)
+                report(min(abs((point.omega - start.omega) / (to - start.omega)), 1.0))
+        except NoPeriodicStateError as error:
+            ended = str(error)
+    return start.kind or "", followed, ended
+
+
+def _curve_in_words(kind: str, followed: list[LocusPoint], ended: str | None) -> str:
+    lines = [f"the curve of the {kind}", f"{'Omega':>12}  {'epsilon':>14}"]
+    for point in followed:
+        told = "" if point.kind is None else f"  <- {point.kind}"
+        lines.append(f"{point.omega:12.9g}  {point.epsilon:14.9g}{told}")
+    return "\n".join(lines if ended is None else [*lines, f"ended: {ended}"])
+
+
+def _stated(rope: Asked) -> Callable[[float], LinearRope]:
+    """The rope for the numerics, by Ω."""
+    from derivations.cross_check.ropes import in_numbers
+
+    def stated(value: float) -> LinearRope:
+        at = {**rope.at, "Omega": value}
+        rest = complex(rope.rope.at(at).rest or 0).real
+        return in_numbers(rope.rope, rope.rope.values(at), rest)
+
+    return stated
 
 
 def _followed(
@@ -114,17 +187,12 @@ def _followed(
 ) -> tuple[list[BranchPoint], str | None]:
     """The points, and why there are no more; of the doubled branch where it is asked for."""
     from asymptotics.errors import InputError
-    from derivations.cross_check.ropes import in_numbers
     from derivations.progress import progress
     from numerics.periodic.branches import follow, switched
     from numerics.periodic.linear_rope import NoPeriodicStateError
     from numerics.periodic.states import periodic_state
 
-    def stated(value: float) -> LinearRope:
-        at = {**rope.at, "Omega": value}
-        rest = complex(rope.rope.at(at).rest or 0).real
-        return in_numbers(rope.rope, rope.rope.values(at), rest)
-
+    stated = _stated(rope)
     low, high = min(ends), max(ends)
     if free == "epsilon":
         low, high = min(low, 0.0), max(high, 0.0)

@@ -140,7 +140,11 @@ def _both_sides(rope: Any, found: Point) -> Point:
     from numerics.periodic.states import periodic_state
     from numerics.thresholds.from_state import outcome
 
-    stable = periodic_state(rope, found["lower"] * (1 - MARGIN), accuracy=ACCURACY)
+    told: Point = {"margin": MARGIN, "below": "undecided", "above": None}
+    try:
+        stable = periodic_state(rope, found["lower"] * (1 - MARGIN), accuracy=ACCURACY)
+    except NoPeriodicStateError:  # in a gap that a high harmonic makes
+        return {**told, "periods": 0, "needed": 0}
     needed, above = FEWEST_PERIODS, None
     if found["upper"] is not None:
         epsilon = found["upper"] * (1 + MARGIN)
@@ -156,7 +160,7 @@ def _both_sides(rope: Any, found: Point) -> Point:
         if needed > periods and above == "stays":
             above = "undecided"
     below = outcome(stable, periods)[0].value
-    return {"margin": MARGIN, "below": below, "above": above, "periods": periods, "needed": needed}
+    return {**told, "below": below, "above": above, "periods": periods, "needed": needed}
 
 
 def _normal_form(beta: float, driven_end: str, omega: float) -> Point | None:

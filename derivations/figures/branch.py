@@ -10,6 +10,7 @@ from derivations.figures.plots import drawing, save_figure
 
 if TYPE_CHECKING:
     from numerics.periodic.branches import BranchPoint
+    from numerics.periodic.loci import LocusPoint
 
 _MARKS = {
     "fold": ("o", "#D55E00"),
@@ -70,6 +71,32 @@ def plot_branch(
         )
         axes.set_ylim(0, None)
         axes.ticklabel_format(axis="x", style="sci", scilimits=(-2, 3))
+        axes.legend(frameon=False, fontsize=8)
+        save_figure(figure, path)
+        plt.close(figure)
+
+
+def plot_curve(kind: str, found: Sequence[LocusPoint], path: Path) -> None:
+    """Draw a curve of folds or period doublings in the plane of Ω and ε, cusps marked."""
+    import matplotlib.pyplot as plt
+
+    mark, ink = _MARKS[kind]
+    with drawing():
+        figure, axes = plt.subplots(figsize=(4.6, 3.2), layout="constrained")
+        omegas, epsilons = [p.omega for p in found], [p.epsilon for p in found]
+        axes.plot(omegas, epsilons, "-", marker=mark, color=ink, markersize=3, label=kind)
+        cusps = [p for p in found if p.kind == "cusp"]
+        if cusps:
+            axes.plot(
+                [p.omega for p in cusps],
+                [p.epsilon for p in cusps],
+                "*",
+                color="black",
+                markersize=9,
+                label="cusp",
+            )
+        axes.set(xlabel=_LABELS["omega"], ylabel=_LABELS["epsilon"])
+        axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
         axes.legend(frameon=False, fontsize=8)
         save_figure(figure, path)
         plt.close(figure)

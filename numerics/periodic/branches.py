@@ -341,19 +341,28 @@ def _fourier(modes: Modes) -> tuple[Array, Indices]:
 
 
 def embedded(unknown: Array, modes: Modes, big: Modes) -> Array:
-    """The unknowns of a state of s periods as those of 2s: harmonic j becomes 2j."""
+    """The unknowns of a state on other equations at the same Ω: more times, or k times the period.
+
+    Harmonic j becomes kj; those that there were not are zero.
+    """
+    k = big.subharmonic // modes.subharmonic
     f = modes.left.free.shape[2]
     weights = modes.left.weights(unknown[: modes.left.unknowns])
     turned = np.zeros((big.left.free.shape[0], f), dtype=complex)
     # The same space at the same frequency; its columns may be others.
     for j, row in enumerate(weights):
-        change = np.linalg.pinv(big.left.free[2 * j]) @ modes.left.free[j]
-        turned[2 * j] = change @ row
+        change = np.linalg.pinv(big.left.free[k * j]) @ modes.left.free[j]
+        turned[k * j] = change @ row
     flat = [turned[0].real, turned[1:].real.ravel(), turned[1:].imag.ravel()]
-    waves = np.fft.rfft(unknown[-modes.times :]) / modes.times
+    return np.concatenate([*flat, lifted(unknown[-modes.times :], big, k)])
+
+
+def lifted(values: Array, modes: Modes, k: int = 1) -> Array:
+    """A function at equal times of its period at those of others, k periods of its own."""
+    waves = np.fft.rfft(values) / len(values)
     waves[1:] *= 2
-    angles = np.exp(2j * np.outer(big.phase, np.arange(waves.size)))
-    return np.concatenate([*flat, (angles @ waves).real])
+    angles = np.exp(1j * k * np.outer(modes.phase, np.arange(waves.size)))
+    return np.asarray((angles @ waves).real)
 
 
 def follow(
@@ -513,15 +522,10 @@ def _finer(follower: _Follower, place: _Place) -> tuple[_Follower, _Place]:
     modes = Modes(coarse.modes.rope, 2 * harmonics + 1, coarse.modes.subharmonic)
     finer = replace(curve, modes=modes)
 
-    def lifted(contact: Array) -> Array:
-        waves = np.fft.rfft(contact) / len(contact)
-        waves[1:] *= 2
-        return np.asarray((np.exp(1j * np.outer(modes.phase, np.arange(waves.size))) @ waves).real)
-
     times = coarse.modes.times
-    z = np.append(modes.start(lifted(coarse.values), coarse.epsilon), place.z[-1])
+    z = np.append(embedded(place.z[:-1], coarse.modes, modes), place.z[-1])
     way = np.zeros_like(z)
-    way[-modes.times - 1 : -1] = lifted(place.tangent[-times - 1 : -1])
+    way[-modes.times - 1 : -1] = lifted(place.tangent[-times - 1 : -1], modes)
     way[-1] = place.tangent[-1]
     found = finer.corrected(z, finer.unit(way))
     if found is None:
