@@ -65,6 +65,7 @@ _NUMERICS = {
     "events.waves": "track_waves",
     "exact_string.characteristics": "exact_string_motion",
     "exact_string.break_up": "break_up",
+    "exact_string.envelope": "nobles_between",
     "exact_string.greene": "periodic_orbit",
     "exact_string.invariant_circle": "circle_at_rotation invariant_circle",
     "exact_string.rotation": "Noble noble",

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from derivations.commands.options import JsonOption, PlotOption
-from derivations.output import show
+from derivations.output import show, wrote
 
 if TYPE_CHECKING:
     from numerics.exact_string.break_up import BreakUp
+
+SPECIFICATION = "break-up of circles, format 1"
+SECONDS = 0.3
+"""Of processor time for a number, more or less."""
 
 # Fewer leave too many numbers open: 0.6 may be the golden one.
 LEAST_DIGITS = 5
@@ -21,29 +26,58 @@ _DECIMAL = re.compile(r"[+-]?(\d*)(?:\.(\d*))?(?:[eE]([+-]?\d{1,4}))?")
 
 def critical(
     rotation: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--rotation",
             metavar="ν",
             help="Rotation number: golden, an expression as sqrt(2)-1, or digits.",
         ),
-    ],
+    ] = None,
+    between: Annotated[
+        str | None,
+        typer.Option(metavar="ν:ν", help="In its place: all noble numbers of a range."),
+    ] = None,
+    denominators: Annotated[
+        int, typer.Option(metavar="q", help="With --between: of how large Farey neighbours.")
+    ] = 8,
+    data: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Where points are kept, and taken up again from."),
+    ] = None,
+    workers: Annotated[
+        int, typer.Option(metavar="COUNT", min=1, help="Processes that compute.")
+    ] = 1,
     as_json: JsonOption = False,
     plot: PlotOption = None,
 ) -> None:
     """The string (β = 0): K = 2εΩ², Ω and ε at which the circle of a rotation number breaks up.
 
-    ν is the mean return time of the characteristics in periods of the drive. Of digits the noble
-    number that they leave open is taken: the one whose circle lasts longest.
+    ν is the mean return time of the characteristics in periods of the drive, nearly Ω/π. Of digits
+    the noble number that they leave open is taken: the one whose circle lasts longest. With
+    --between the ends of many circles trace the boundary of the string's periodic states.
     """
-    from derivations.progress import progress
-    from numerics.exact_string.break_up import break_up
-    from numerics.exact_string.rotation import noble
+    from asymptotics.errors import InputError
 
     if plot is not None:
         from derivations.figures.plots import check_plot_path
 
         check_plot_path(plot)
+    if (rotation is None) == (between is None):
+        raise InputError("give one of --rotation, a number, and --between, a range as 0.25:1")
+    if between is not None:
+        _envelope(between, denominators, data, workers, as_json, plot)
+        return
+    if data is not None or workers != 1:
+        raise InputError("--data and --workers are for many numbers: give --between")
+    _single(rotation or "", as_json, plot)
+
+
+def _single(rotation: str, as_json: bool, plot: Path | None) -> None:
+    """One rotation number."""
+    from derivations.progress import progress
+    from numerics.exact_string.break_up import break_up
+    from numerics.exact_string.rotation import noble
+
     value, uncertainty = number_of(rotation)
     meant = noble(value, uncertainty)
     with progress("comparing orbits", 100, as_json) as report:  # per cent
@@ -53,6 +87,64 @@ def critical(
 
         plot_break_up(found, plot)
     show(_as_json(found), _in_words(found), as_json)
+
+
+def _envelope(
+    between: str,
+    denominators: int,
+    data: Path | None,
+    workers: int,
+    as_json: bool,
+    plot: Path | None,
+) -> None:
+    """The ends of all noble numbers of a range."""
+    from derivations.progress import announce, progress
+    from numerics.exact_string.envelope import end_of, nobles_between
+    from numerics.sweeps.sweep import sweep
+
+    low, high = _range(between)
+    todo = [{"head": list(one.head)} for one in nobles_between(low, high, denominators)]
+    announce(f"{len(todo)} numbers, less those kept", len(todo) * SECONDS / workers)
+    with progress("breaking circles", len(todo), as_json, fine=True) as report:
+        rows = sweep(end_of, todo, data, SPECIFICATION, workers, lambda done, _: report(done))
+    if plot is not None:
+        from derivations.figures.break_up import plot_envelope
+
+        plot_envelope(rows, denominators, plot)
+    fields = {
+        "command": "critical",
+        "between": [low, high],
+        "denominators": denominators,
+        "points": rows,
+    }
+    show(fields, _rows_in_words(rows), as_json)
+    wrote(plot)
+
+
+def _range(text: str) -> tuple[float, float]:
+    from asymptotics.errors import InputError
+
+    parts = text.split(":")
+    try:
+        low, high = map(float, parts)
+    except ValueError:
+        raise InputError(
+            f"--between {text!r}: give two numbers, as 0.25:1, or golden by --rotation"
+        ) from None
+    return low, high
+
+
+def _rows_in_words(rows: list[dict[str, Any]]) -> str:
+    lines = [f"{'rotation':>12}  {'Omega':>12}  {'epsilon':>13}  {'error':>8}  {'K':>12}"]
+    for row in rows:
+        if row["reason"] is not None:
+            lines.append(f"{row['rotation']:12.9f}  {row['reason']}")
+            continue
+        lines.append(
+            f"{row['rotation']:12.9f}  {row['omega']:12.9f}  {row['epsilon']:13.10f}  "
+            f"{row['epsilon_error']:8.1e}  {row['K']:12.9f}"
+        )
+    return "\n".join(lines)
 
 
 def number_of(text: str) -> tuple[float, float | None]:

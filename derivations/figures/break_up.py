@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -81,3 +82,30 @@ def _contact(axes: Any, found: BreakUp) -> None:
         xlim=(0, 1),
         title=rf"$\Omega = {circle.omega:.5f}$, $\varepsilon = {circle.epsilon:.5f}$",
     )
+
+
+def plot_envelope(rows: Sequence[Mapping[str, Any]], denominators: int, path: Path) -> None:
+    """Draw the ends of many circles in the plane of Ω and ε, and the tongues between them."""
+    import matplotlib.pyplot as plt
+
+    known = [row for row in rows if row["reason"] is None]
+    with drawing():
+        figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
+        omega, epsilon = ([row[name] for row in known] for name in ("omega", "epsilon"))
+        if known:
+            low, high = min(omega) / math.pi, max(omega) / math.pi
+            for q in range(1, denominators // 2 + 1):
+                for p in range(math.ceil(low * q), math.floor(high * q) + 1):
+                    if math.gcd(p, q) == 1:
+                        axes.axvline(math.pi * p / q, color="#BBBBBB", linewidth=1.2 / q, zorder=0)
+            axes.axvline(math.nan, color="#BBBBBB", label=r"resonances $\Omega = \pi p/q$")
+        axes.plot(omega, epsilon, "o", color="#0072B2", markersize=3, label="end of a noble circle")
+        axes.set(
+            yscale="log",
+            xlabel=r"drive frequency $\Omega$",
+            ylabel=r"$\varepsilon$ at the break-up (units of $Z_0$)",
+            title=r"$\beta = 0$",
+        )
+        axes.legend(frameon=False, fontsize=8)
+        save_figure(figure, path)
+        plt.close(figure)

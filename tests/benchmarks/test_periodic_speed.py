@@ -1,7 +1,7 @@
 """How fast periodic states, multipliers and losses are; nothing here fails on time.
 
-β = 0.01. The ratio is to the ramped simulations that give an interval for the same loss, the fold at
-Ω = 3.2; how wide both intervals are, part of ε, stands beside it.
+β = 0.01. The ratio is to the ramped simulations that give an interval for the same loss, the fold
+at Ω = 3.2; how wide both intervals are, part of ε, stands beside it.
 """
 
 from __future__ import annotations
