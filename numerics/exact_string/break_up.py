@@ -31,6 +31,8 @@ from numerics.exact_string.rotation import Noble
 
 # Denominators of the orbits that are compared: shorter ones say little, longer ones lose digits.
 _SHORTEST, _LONGEST = 8, 3000
+# Of a residue, as a trace less two.
+_ROUNDING = 1e-11
 # A common ratio of the crossings' differences that is worth extrapolating.
 _SETTLED = 0.7
 # Circles for the second opinion, below K_c by these shares of it.
@@ -184,6 +186,8 @@ def _crossing(shorter: tuple[int, int], longer: tuple[int, int], guess: float) -
 
     def excess(strength: float) -> float:
         one, other = orbit(shorter, strength).residue, orbit(longer, strength).residue
+        if abs(other) < _ROUNDING and abs(one) < 0.25:  # far below the break-up
+            return -1.0
         if not (one > 0 and other > 0):
             raise NumericsError(
                 f"the orbits {shorter[0]}/{shorter[1]} and {longer[0]}/{longer[1]} have the "
@@ -203,7 +207,7 @@ def _crossing(shorter: tuple[int, int], longer: tuple[int, int], guess: float) -
             )
     while excess(high) < 0:
         high += width
-        if high > 2 * guess:
+        if high > NO_CIRCLE + width:
             raise NumericsError(
                 f"the orbits {shorter[0]}/{shorter[1]} and {longer[0]}/{longer[1]} have no common "
                 f"residue up to K = {high:.6g}"
