@@ -106,9 +106,11 @@ def _ramped(path: Path, beta: float) -> list[tuple[float, float, float]]:
 
 
 def _in_words(points: list[Point], named: list[str], beta: float, driven_end: str) -> str:
+    from derivations.cross_check.boundary import named as mechanism
+
     started = any("started" in row for row in points)
     heads = (
-        f"{'Omega':>10}  {'epsilon from':>13}  {'to':>13}  {'mechanism':<18}  {'normal form':<24}"
+        f"{'Omega':>10}  {'epsilon from':>13}  {'to':>13}  {'mechanism':<29}  {'normal form':<24}"
     )
     lines = [
         f"beta = {beta:g}, {driven_end}" if beta else "beta = 0",
@@ -121,7 +123,7 @@ def _in_words(points: list[Point], named: list[str], beta: float, driven_end: st
         sides = row.get("started")
         seen = "" if sides is None else f"  {sides['below']}, {sides['above'] or '-'}"
         lines.append(
-            f"{row['omega']:10.6g}  {row['lower']:13.8g}  {upper:>13}  {row['mechanism']:<18}  "
+            f"{row['omega']:10.6g}  {row['lower']:13.8g}  {upper:>13}  {mechanism(row):<29}  "
             f"{told:<24}{seen}".rstrip()
         )
     both = sum(row["agrees"] is not None for row in points)

@@ -18,7 +18,7 @@ import numpy as np
 
 from derivations.cross_check.ropes import in_numbers
 
-FORMAT = 2
+FORMAT = 3
 """Counts up whenever older points are no longer comparable."""
 
 ORDER = 9
@@ -86,6 +86,8 @@ def _lower_bound(low: float, mechanism: str = "loss of regularity") -> Point:
         "lower": low,
         "upper": None,
         "mechanism": mechanism,
+        "harmonic": None,
+        "beyond": None,
         "growth": None,
         "harmonics": None,
         "decay": None,
@@ -120,6 +122,8 @@ def _rope(beta: float, driven_end: str, omega: float) -> Point:
         "lower": found.lower,
         "upper": found.upper,
         "mechanism": found.mechanism.value,
+        "harmonic": found.harmonic,
+        "beyond": found.beyond,
         "growth": found.growth,
         "harmonics": found.harmonics,
         "decay": found.decay,
@@ -130,37 +134,39 @@ def _rope(beta: float, driven_end: str, omega: float) -> Point:
 
 
 def _both_sides(rope: Any, found: Point) -> Point:
-    """What the simulator does a tenth below and above, and for how many periods it was watched.
+    """What the simulator does on either side, where, and for how many periods it was watched.
 
-    Beyond a fold it turns as slowly as the nearest multiplier does before it; beyond other losses
-    the fastest disturbance takes its time. Where that is more than there is, staying says nothing.
+    Below: on the state a tenth of ε below. Above: on the unstable state that was found, or, beyond
+    a fold, from the state below to a tenth above. There it turns as slowly as the nearest
+    multiplier does before; else the fastest disturbance takes its time. Where that is more than
+    there is, the grids' own shift of Ω is as large as the distance to the resonance, too: then
+    nothing is said.
     """
     from numerics.periodic.linear_rope import NoPeriodicStateError
     from numerics.periodic.stability import multipliers
     from numerics.periodic.states import periodic_state
     from numerics.thresholds.from_state import outcome
 
-    told: Point = {"margin": MARGIN, "below": "undecided", "above": None}
+    low, high = found["lower"] * (1 - MARGIN), found["beyond"]
+    told: Point = {"below_at": low, "below": "undecided", "above_at": high, "above": None}
     try:
-        stable = periodic_state(rope, found["lower"] * (1 - MARGIN), accuracy=ACCURACY)
+        stable = beyond = periodic_state(rope, low, accuracy=ACCURACY)
+        needed = 0
+        if found["upper"] is not None and high is None:
+            told["above_at"] = high = found["upper"] * (1 + MARGIN)
+            needed = math.ceil(2 * math.pi / abs(np.angle(multipliers(stable, MODES))).min())
+        elif high is not None:
+            beyond = periodic_state(rope, high, accuracy=ACCURACY)
+            needed = math.ceil(FOLDINGS / math.log(abs(multipliers(beyond, MODES)).max()))
     except NoPeriodicStateError:  # in a gap that a high harmonic makes
-        return {**told, "periods": 0, "needed": 0}
-    needed, above = FEWEST_PERIODS, None
-    if found["upper"] is not None:
-        epsilon = found["upper"] * (1 + MARGIN)
-        try:
-            beyond = periodic_state(rope, epsilon, accuracy=ACCURACY)
-            needed = round(FOLDINGS / math.log(abs(multipliers(beyond, MODES)).max()))
-        except NoPeriodicStateError:
-            beyond = stable
-            needed = round(2 * math.pi / abs(np.angle(multipliers(stable, MODES))).min())
+        return {**told, "periods": 0, "needed": None}
     periods = min(max(needed, FEWEST_PERIODS), MOST_PERIODS)
-    if found["upper"] is not None:
-        above = outcome(beyond, periods, epsilon)[0].value
-        if needed > periods and above == "stays":
-            above = "undecided"
-    below = outcome(stable, periods)[0].value
-    return {**told, "below": below, "above": above, "periods": periods, "needed": needed}
+    told |= {"periods": periods, "needed": needed}
+    if high is not None:
+        told["above"] = "undecided" if needed > periods else outcome(beyond, periods, high)[0].value
+    if needed <= periods:
+        told["below"] = outcome(stable, periods)[0].value
+    return told
 
 
 def _normal_form(beta: float, driven_end: str, omega: float) -> Point | None:
@@ -237,7 +243,7 @@ def disagreements(points: list[Point]) -> list[str]:
         known = row["normal_form"]
         reach = f"{row['lower']:.6g} ..." + ("" if row["upper"] is None else f" {row['upper']:.6g}")
         lines.append(
-            f"Omega = {row['omega']:.6g}: {row['mechanism']} at {reach} by states, "
+            f"Omega = {row['omega']:.6g}: {named(row)} at {reach} by states, "
             f"{known['kind']} at {known['epsilon']:.6g} +- {known['error']:.2g} by the normal form"
         )
     return lines
@@ -248,11 +254,16 @@ def _contradicted(row: Point) -> list[str]:
     told = row.get("started")
     if told is None:
         return []
-    sides = [("below", "leaves", "lower", -1), ("above", "stays", "upper", 1)]
+    sides = [("below", "leaves", "lower"), ("above", "stays", "upper")]
     return [
-        f"Omega = {row['omega']:.6g}: {row['mechanism']} at {row[bound]:.6g} by states, but "
-        f"started at {row[bound] * (1 + sign * told['margin']):.6g} the simulator {wrong} "
-        f"({told['periods']} periods)"
-        for side, wrong, bound, sign in sides
+        f"Omega = {row['omega']:.6g}: {named(row)} at {row[bound]:.6g} by states, but started "
+        f"{side}, at {told[side + '_at']:.6g}, the simulator {wrong} ({told['periods']} periods)"
+        for side, wrong, bound in sides
         if told[side] == wrong
     ]
+
+
+def named(row: Point) -> str:
+    """The mechanism, and its harmonic where it has one."""
+    harmonic = row.get("harmonic")
+    return row["mechanism"] + ("" if harmonic is None else f" of harmonic {harmonic}")

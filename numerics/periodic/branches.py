@@ -75,7 +75,8 @@ class BranchPoint:
     width
         Of a located one, in the same units: how far apart the two sides of it are at last.
     harmonic
-        Of Ω/s (at a period doubling of Ω/2s), the dominant one of the null vector; None elsewhere.
+        Of Ω/s (at a period doubling of Ω/2s), the dominant one in ξ_c of the null vector of what
+        was located; else None. A fold of a high one is a gap that its resonance leaves.
     tangent
         Along the branch: of the unknowns, then of λ.
     """
@@ -265,8 +266,11 @@ class _Follower:
                 high, values[1] = middle, value
             else:
                 low, before, values[0] = middle, moved[0], value
-        state, harmonic = self.curve.state(before.z), None
-        if test != "fold":
+        state = self.curve.state(before.z)
+        if test == "fold":  # the tangent is the null vector
+            waves = np.fft.rfft(before.tangent[-state.modes.times - 1 : -1])
+            harmonic = int(np.argmax(abs(waves)))
+        else:
             harmonic = _Split.of(*self._tested(before.z, before.tangent, test)).null_harmonic
         return BranchPoint(state, test, low, before.tangent, high - low, harmonic)
 

@@ -69,8 +69,12 @@ class Loss:
         a lower bound is known.
     mechanism
         What happens between.
-    growth
-        Rate of the fastest disturbance at the first point beyond; None where there is no state.
+    harmonic
+        Of a fold (of Ω) or a period doubling (of Ω/2): the dominant one of what happens; else None.
+        A high one is resonant itself, and the gap in the branch is the narrower the higher it is.
+    beyond, growth
+        ε of the first point beyond that was looked at, and the rate of the fastest disturbance
+        there; None where there is no state.
     harmonics, decay
         Of Ω that the state needs there, and the rate at which they decay.
     amplitude
@@ -83,6 +87,8 @@ class Loss:
     lower: float
     upper: float | None
     mechanism: Mechanism
+    harmonic: int | None
+    beyond: float | None
     growth: float | None
     harmonics: int
     decay: float
@@ -142,6 +148,7 @@ class _Walk:
         self.doubling: BranchPoint | None = None
         self.found: tuple[float, float | None, Mechanism, float | None] | None = None
         self.at_loss: PeriodicState | None = None
+        self.harmonic: int | None = None
         self.end: tuple[float, Mechanism] = (highest, Mechanism.NONE)
 
     def _start(self) -> PeriodicState:
@@ -185,6 +192,7 @@ class _Walk:
             self.end = low, Mechanism.FOLD
             if self.found is None:
                 self._lost(low, high, Mechanism.FOLD, None, point.state)
+                self.harmonic = point.harmonic
             return True
         if point.kind == "graze":
             low, high = self._graze(point)
@@ -246,7 +254,7 @@ class _Walk:
         if doubled and self.doubling is not None:
             near, far = self._twice(self.doubling)
             if low * (1 - _WIDTH) <= near and far <= high * (1 + _WIDTH):
-                low, high = near, far
+                low, high, self.harmonic = near, far, self.doubling.harmonic
         self._lost(low, high, mechanism, verdict.growth, state)
         return True
 
@@ -304,6 +312,8 @@ class _Walk:
             low,
             high,
             mechanism,
+            self.harmonic,
+            None if growth is None else state.epsilon,
             growth,
             resolved(state, _ACCURACY),
             decay(state, _ACCURACY),

@@ -50,8 +50,8 @@ _HEARD = 1e-13
 _FAR = 1.0
 # Periods in the beginning that are not looked at: the push spreads over modes that then decay.
 _SETTLED = 0.25
-# Growth is sure if it exceeds so many standard errors and g has changed by the first factor; in
-# doubt if by the second.
+# Growth is sure if it exceeds so many standard errors and g has grown by the first factor; in doubt
+# if by the second.
 _SURE, _GROWN, _DOUBTFUL = 3.0, 2.0, 1.5
 _FEWEST = 8
 
@@ -79,8 +79,9 @@ class Departure:
     shed
         Whether it had shed a wave.
     outcome
-        *leaves* if it had left, or g grows for sure and has doubled; *stays* if it had not and g
-        grew by less than half; else *undecided*.
+        *leaves* if it had left, or g grows for sure and its maximum has doubled from the second
+        last to the last third; *stays* if it had not and g grew by less than half; else
+        *undecided*.
     """
 
     times: Array
@@ -266,7 +267,10 @@ def departure(
     rate, error = _slope(middles[first:last], grown[first:last])
     outcome = Outcome.STAYS
     if rate > _SURE * error:
-        if grown[last - 1] > _GROWN * grown[first]:
+        third = (last - first) // 3
+        # Beats of a stable state grow, too, for a while: the last third against the one before.
+        before, end = grown[last - 2 * third : last - third], grown[last - third : last]
+        if third and end.max() > _GROWN * before.max():
             outcome = Outcome.LEAVES
         elif rate * middles[-1] > math.log(_DOUBTFUL):
             outcome = Outcome.UNDECIDED

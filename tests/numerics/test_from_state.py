@@ -152,3 +152,13 @@ def test_waves_alone_are_a_departure(monkeypatch: pytest.MonkeyPatch) -> None:
     run = departure(periodic_state(rope(3.2), 0.9 * FOLD), 80, epsilon=1.2 * FOLD)
     assert run.shed
     assert run.left is not None
+
+
+@pytest.mark.slow
+def test_beats_are_no_departure() -> None:
+    """Next to the tongue at Ω = 6.6 disturbances of the stable state rise and fall again."""
+    state = periodic_state(rope(6.6), 0.00382, accuracy=1e-8)
+    assert stability(state).verdict == "stable"
+    told, run = outcome(state, 80)
+    assert told is not Outcome.LEAVES
+    assert run.change.max() > 4 * run.change[0]
