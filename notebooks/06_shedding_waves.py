@@ -27,8 +27,10 @@ from asymptotics.errors import InputError
 from asymptotics.resonances.normal_form import normal_form
 from derivations.cross_check.ropes import in_numbers
 from numerics.periodic.branches import follow, switched
+from numerics.periodic.loci import locus
 from numerics.periodic.stability import stability
 from numerics.periodic.states import periodic_state
+from numerics.thresholds.from_state import departure
 
 rope, at = rw.beam(), {"beta": "0.01"}
 
@@ -107,3 +109,57 @@ plt.ylabel(r"amplitude of $\xi_c$")
 plt.title("dots: stable; crosses: unstable")
 plt.legend()
 plt.show()
+
+# %% [markdown]
+# ## Both in the plane
+#
+# A fold and a period doubling are points of curves in the plane of Ω and ε. The curve of folds ends
+# at $\Omega_1$, the edge of the tongue at $2\Omega_1$.
+
+# %%
+folds = list(locus(stated, seen, 0.01, (3.2, 3.245)))
+edges = list(locus(stated, doubling, 0.012, (6.45, 6.49)))
+figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
+for axes, curve, label in ((left, folds, "folds"), (right, edges, "period doublings")):
+    axes.plot([p.omega for p in curve], [p.epsilon for p in curve], "o-", ms=4, label=label)
+    axes.set(xlabel="Ω", ylabel="ε")
+form = normal_form(rope, at, 1, 1, 3.24, order=9).folds()[0]
+left.plot(3.24, form.epsilon, "k*", ms=9, label="normal form")
+edge = normal_form(rope, at, 1, 1, 6.48, order=8, subharmonic=2).edge()
+right.plot(6.48, edge.epsilon, "k*", ms=9, label="normal form")
+left.legend()
+right.legend()
+plt.show()
+last = list(locus(stated, seen, 0.01, (3.2, 3.24)))[-1]
+print(f"fold at Ω = 3.24: {last.epsilon:.8f} on the curve, {form.epsilon:.8f} by the normal form")
+assert abs(last.epsilon - form.epsilon) < 2 * form.error
+
+# %% [markdown]
+# ## Simulations that start on the state
+#
+# No ramp: the simulator begins on a periodic state with a small push, and what is seen is how far
+# its contact point is from the state's. On the tongue the disturbance grows at the rate that the
+# multiplier says; below the fold it stays, above it does not.
+
+# %%
+runs = {
+    "Ω = 6.5, ε = 0.005": departure(periodic_state(stated(6.5), 0.005), 80),
+    "Ω = 3.2, below the fold": departure(periodic_state(stated(3.2), 0.9 * seen.epsilon), 80),
+    "Ω = 3.2, above it": departure(
+        periodic_state(stated(3.2), 0.9 * seen.epsilon), 80, epsilon=1.1 * seen.epsilon
+    ),
+}
+plt.figure(figsize=(6, 3.5))
+for name, run in runs.items():
+    plt.semilogy(run.times, run.distance, label=f"{name}: {run.outcome.value}")
+growth = stability(periodic_state(stated(6.5), 0.005)).growth
+time = runs["Ω = 6.5, ε = 0.005"].times
+plt.semilogy(time, 3e-4 * np.exp(growth * time), "k:", label="slope of the multiplier")
+plt.xlabel("τ")
+plt.ylabel(r"distance of $\xi_c$ from the state's")
+plt.legend(loc="upper left", fontsize=8)
+plt.show()
+rate = runs["Ω = 6.5, ε = 0.005"].rate
+print(f"growth {rate:.4f} simulated (a grid damps), {growth:.4f} by the multiplier")
+assert 0.9 * growth < rate < growth
+assert [run.outcome.value for run in runs.values()] == ["leaves", "stays", "leaves"]
