@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from derivations.cross_check.boundary import _agrees, disagreements, point, tasks
+from derivations.cross_check.boundary import _agrees, between, disagreements, point, tasks
 from tests.command import said
 
 
@@ -45,6 +45,38 @@ def test_differences_are_named() -> None:
         assert _agrees({**row, "lower": lower, "upper": upper}, known) is agrees
     other = {**row, "upper": 3e-4, "mechanism": "period doubling"}
     assert not _agrees(other, known)
+
+
+def test_what_the_simulator_contradicts_is_named() -> None:
+    row = {"omega": 6.0, "lower": 4e-3, "upper": 4.1e-3, "mechanism": "fold", "agrees": None}
+    told = {"below": "stays", "below_at": 3.6e-3, "above": "leaves", "above_at": 4.51e-3}
+    row = {**row, "harmonic": 6, "started": {**told, "periods": 60}}
+    assert disagreements([row]) == []
+    for side, wrong in (("below", "leaves"), ("above", "stays")):
+        [line] = disagreements([{**row, "started": {**row["started"], side: wrong}}])
+        assert line.startswith("Omega = 6: fold of harmonic 6 at 0.004")
+        assert f"started {side}, at {told[side + '_at']:.6g}, the simulator {wrong}" in line
+
+
+@pytest.mark.slow
+def test_from_both_sides(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = said(["boundary", "--omega", "3.2", "--started", "--json"], capsys)
+    assert code == 0
+    told = json.loads(out)["points"][0]["started"]
+    assert (told["below"], told["above"]) == ("stays", "leaves")
+    assert told["above_at"] == pytest.approx(1.1 * 1.38788e-3, rel=1e-4)
+    code, out, _ = said(["boundary", "--omega", "3.2", "--started"], capsys)
+    assert "fold of harmonic 1" in out
+    assert "stays, leaves" in out
+
+
+def test_where_points_are_put_between() -> None:
+    row = {"omega": 3.0, "lower": 1e-3, "mechanism": "fold"}
+    rows = [row, {**row, "omega": 3.1, "mechanism": "none"}, {**row, "omega": 3.102}]
+    assert between(rows) == [3.05]
+    assert between(rows[::-1]) == [3.05]
+    assert between([row, {**row, "omega": 3.1, "lower": 1.9e-3}]) == []
+    assert between([row, {**row, "omega": 3.1, "lower": 0.0}]) == [3.05]
 
 
 def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

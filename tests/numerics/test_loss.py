@@ -8,7 +8,7 @@ from numerics.errors import InputError
 from numerics.periodic.linear_rope import NoPeriodicStateError
 from numerics.periodic.loss import Loss, Mechanism, loss
 from numerics.periodic.stability import multipliers
-from numerics.periodic.states import decay, periodic_state, resolved
+from numerics.periodic.states import PeriodicState, decay, periodic_state, resolved
 from tests.numerics.test_states import rope
 
 
@@ -22,7 +22,9 @@ def test_the_fold() -> None:
     assert lost.upper is not None
     assert lost.lower <= 1.38788e-3 + 1e-8
     assert lost.upper >= 1.38788e-3 - 1e-8
-    assert lost.upper - lost.lower < 1e-9
+    assert 0 < lost.upper - lost.lower < 1e-9
+    assert lost.harmonic == 1
+    assert lost.beyond is None
     assert lost.growth is None
     periodic_state(rope(3.2), 0.997 * lost.lower)
     with pytest.raises(NoPeriodicStateError):
@@ -48,7 +50,7 @@ def test_the_period_doubling() -> None:
 @pytest.mark.slow
 def test_a_window_of_instability_is_not_stepped_over() -> None:
     """At Ω = 6.4 from .00348 to below .0051, where steps along the branch are longer."""
-    lost = found(6.4, 0.008)
+    lost = found(6.4)
     assert lost.mechanism is Mechanism.INSTABILITY
     assert lost.lower == pytest.approx(3.4845e-3, rel=2e-3)
     beyond, again = (
@@ -56,6 +58,28 @@ def test_a_window_of_instability_is_not_stepped_over() -> None:
     )
     assert beyond > 1 + 1e-4
     assert again < 1 + 1e-6
+
+
+def test_a_graze(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if the lifted part came down at ε = .0123."""
+
+    def height(state: PeriodicState, *_: int) -> float:
+        return 0.0123 - state.epsilon
+
+    monkeypatch.setattr(PeriodicState, "clearance", height)
+    lost = found(2.2, 0.05)
+    assert lost.mechanism is lost.end_mechanism is Mechanism.GRAZE
+    assert lost.upper is not None
+    assert lost.lower <= 0.0123 <= lost.upper <= 1.002 * lost.lower
+
+
+@pytest.mark.slow
+def test_a_gap_of_a_high_harmonic_is_told() -> None:
+    """At Ω = 6 the branch folds where six times the frequency meets a free one."""
+    lost = found(6.0, 0.01)
+    assert lost.mechanism is Mechanism.FOLD
+    assert lost.harmonic == 6
+    assert lost.lower == pytest.approx(4.79270e-3, abs=1e-8)
 
 
 def test_the_rate_of_decay() -> None:
