@@ -14,8 +14,8 @@ from derivations.output import show, wrote
 if TYPE_CHECKING:
     from derivations.cross_check.boundary import Point
 
-SECONDS = 10.0
-"""Of processor time that a point takes, more or less."""
+SECONDS, STARTED_SECONDS = 12.0, 8.0
+"""Of processor time that a point takes, more or less, and its simulations."""
 
 
 def boundary(
@@ -77,7 +77,8 @@ def boundary(
         todo = tasks(beta, driven_end, between(points) if points else values, started)
         if not todo:
             break
-        announce(f"{len(todo)} points, less those kept", len(todo) * SECONDS / workers)
+        each = SECONDS + (STARTED_SECONDS if started else 0)
+        announce(f"{len(todo)} points, less those kept", len(todo) * each / workers)
         with progress("boundary", len(todo), as_json, fine=True) as report:
             new = sweep(point, todo, data, specification(), workers, lambda n, _: report(n))
         points = sorted([*points, *new], key=lambda row: float(row["omega"]))

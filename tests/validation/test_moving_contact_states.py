@@ -12,9 +12,13 @@ import sympy as sp
 
 from asymptotics import expand, prove
 from asymptotics.problems.moving_contact import MovingContact, moving_contact
+from asymptotics.problems.presets import beam as make_beam
+from asymptotics.problems.presets import string
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
+from derivations.cross_check.ropes import in_numbers
 from numerics.periodic.collocation import periodic_contact
 from numerics.periodic.linear_rope import LinearRope, Terms
+from numerics.periodic.states import periodic_state
 
 OMEGA = 2.2
 kappa, beta, rho, v, gamma, zeta, eta = sp.symbols("kappa beta rho v gamma zeta eta")
@@ -193,3 +197,30 @@ def test_the_error_falls_like_the_next_power_of_epsilon(name: str) -> None:
         # The order after it is not small at ε = 0.04.
         assert n + 0.5 < order < n + 1.7, (n, order)
     assert fine[2] < 2e-4
+
+
+@pytest.mark.parametrize(
+    ("rope", "at", "small"),
+    [
+        (string(), {}, 0.01),
+        (make_beam(), {"beta": 0.01}, 0.01),
+        (make_beam(driven_end="clamped"), {"beta": 0.05}, 0.005),
+        (CASES["travelling"].rope, {"v": 0.3}, 0.005),
+    ],
+    ids=["string", "pinned", "clamped", "travelling"],
+)
+def test_states_are_what_the_series_converges_to(
+    rope: MovingContact, at: dict[str, float], small: float
+) -> None:
+    """By order 12, within the error that the state states: some 1e-13."""
+    values = {**at, "Omega": OMEGA}
+    rest = complex(rope.at(values).rest or 1).real
+    state = periodic_state(in_numbers(rope, rope.values(values), rest), small)
+    series, t = expand(rope, 12, at=values), np.linspace(0, 2 * np.pi / OMEGA, 60)
+    total = np.full(t.shape, rest)
+    for n in range(1, 13):
+        for j, c in series.contact(n).items():
+            wave = np.real(complex(c) * np.exp(1j * j * OMEGA * t))
+            total = total + small**n * (2 if j else 1) * wave
+    assert state.error < 1e-11
+    assert abs(total - state.contact(t)).max() < 3 * state.error + 1e-14
