@@ -68,6 +68,11 @@ def boundary(
         raise InputError("--simulated adds points to a figure; give --plot as well")
     if started:
         need("numba")
+        if beta == 0:
+            raise InputError(
+                "--started is for ropes that bend: for beta = 0 the last circle is found at fixed "
+                "Omega, and ropewave critical --between has the ends; leave it out"
+            )
     values = sorted(set(numbers_of("--omega", omegas)))
     if not values[0] > 0:
         raise InputError(f"--omega {values[0]!r}: frequencies have to be positive")

@@ -143,12 +143,12 @@ def _curve(
     limits = (min(to, start.omega) * 0.999, to) if to > start.omega else (to, start.omega * 1.001)
     followed: list[LocusPoint] = []
     ended: str | None = None
-    with progress(f"following the {start.kind}", 1.0, quiet) as report:
+    with progress(f"following the {start.kind}", 100, quiet) as report:  # per cent
         try:
             step = (to - start.omega) / FEWEST_STEPS
             for point in locus(_stated(rope), start, step, limits):
                 followed.append(point)
-                report(min(abs((point.omega - start.omega) / (to - start.omega)), 1.0))
+                report(round(100 * min(abs((point.omega - start.omega) / (to - start.omega)), 1.0)))
         except NoPeriodicStateError as error:
             ended = str(error)
     return start.kind or "", followed, ended

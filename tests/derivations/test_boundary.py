@@ -111,6 +111,8 @@ def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
         (["--omega", "x"], "--omega"),
         (["--omega", "3.2", "--simulated", "docs/figure2.json"], "give --plot"),
         (["--omega", "3.2", "--plot", "a.txt"], "cannot draw"),
+        (["--omega", "3.2", "--beta", "0", "--started"], "ropes that bend"),
+        (["--omega", "3.2", "--refine", "9"], "less than or equal to 8"),
         (["--omega", "3.2", "--plot", "a.png", "--simulated", "README.md"], "README"),
     ],
 )
