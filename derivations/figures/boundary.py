@@ -12,6 +12,7 @@ from derivations.figures.plots import drawing, save_figure
 
 _MARKS = {
     "fold": ("o", "#D55E00"),
+    "gap of a high harmonic": ("o", "#D55E00"),
     "period doubling": ("s", "#009E73"),
     "other instability": ("D", "#CC79A7"),
     "interior graze": ("X", "black"),
@@ -19,6 +20,9 @@ _MARKS = {
     "loss of regularity": ("v", "#0072B2"),
     "none": ("1", "#999999"),
 }
+_GAP = "gap of a high harmonic"
+# Folds of higher harmonics are gaps that a rope passes.
+_HIGHEST = 4
 # Rows of one resonance's normal form are joined when they are this near, part of Ω.
 _JOINED = 0.05
 
@@ -39,7 +43,7 @@ def plot_boundary(
             axes.vlines(omega, low, high, color="#BBBBBB", linewidth=3, label="ramped simulation")
         _forms(axes, points)
         for mechanism, (mark, ink) in _MARKS.items():
-            rows = [p for p in points if p["mechanism"] == mechanism and p["lower"] > 0]
+            rows = [p for p in points if _shown(p) == mechanism and p["lower"] > 0]
             if rows:
                 bound = mechanism in ("not resolved", "loss of regularity", "none")
                 axes.plot(
@@ -48,7 +52,7 @@ def plot_boundary(
                     mark,
                     color=ink,
                     markersize=4,
-                    markerfacecolor="white" if bound else ink,
+                    markerfacecolor="white" if bound or mechanism == _GAP else ink,
                     label=f"{mechanism} (lower bound)" if bound else mechanism,
                     linestyle="none",
                 )
@@ -64,6 +68,12 @@ def plot_boundary(
         axes.legend(frameon=False, fontsize=7, ncols=2)
         save_figure(figure, path)
         plt.close(figure)
+
+
+def _shown(row: Mapping[str, Any]) -> str:
+    """The mechanism, folds of high harmonics told from others."""
+    high = row["mechanism"] == "fold" and (row.get("harmonic") or 0) > _HIGHEST
+    return _GAP if high else str(row["mechanism"])
 
 
 def _forms(axes: Any, points: Sequence[Mapping[str, Any]]) -> None:
