@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from derivations.commands.options import LIST, EndOption, JsonOption, PlotOption, numbers_of
+from derivations.commands.options import (
+    LIST,
+    DataOption,
+    EndOption,
+    JsonOption,
+    PlotOption,
+    WorkersOption,
+    numbers_of,
+)
 from derivations.commands.simulation import need
 from derivations.output import show, wrote
 
@@ -22,13 +30,8 @@ def boundary(
     omegas: Annotated[str, typer.Option("--omega", metavar=LIST, help="Drive frequencies Ω.")],
     beta: Annotated[float, typer.Option("--beta", metavar="β", min=0, max=1)] = 0.01,
     driven_end: EndOption = "pinned",
-    data: Annotated[
-        Path | None,
-        typer.Option(metavar="FOLDER", help="Where points are kept, and taken up again from."),
-    ] = None,
-    workers: Annotated[
-        int, typer.Option(metavar="COUNT", min=1, help="Processes that compute.")
-    ] = 1,
+    data: DataOption = None,
+    workers: WorkersOption = 1,
     refine: Annotated[
         int,
         typer.Option(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
@@ -30,7 +29,6 @@ from derivations.output import show, wrote
 
 if TYPE_CHECKING:
     from numerics.periodic.branches import BranchPoint
-    from numerics.periodic.linear_rope import LinearRope
     from numerics.periodic.loci import LocusPoint
 
 FEWEST_STEPS = 20
@@ -128,6 +126,7 @@ def _curve(
 ) -> tuple[str, list[LocusPoint], str | None]:
     """Its kind, the points, and why there are no more."""
     from asymptotics.errors import InputError
+    from derivations.cross_check.ropes import by_frequency
     from derivations.progress import progress
     from numerics.periodic.linear_rope import NoPeriodicStateError
     from numerics.periodic.loci import KINDS, locus
@@ -146,7 +145,7 @@ def _curve(
     with progress(f"following the {start.kind}", 100, quiet) as report:  # per cent
         try:
             step = (to - start.omega) / FEWEST_STEPS
-            for point in locus(_stated(rope), start, step, limits):
+            for point in locus(by_frequency(rope.rope, rope.at), start, step, limits):
                 followed.append(point)
                 report(round(100 * min(abs((point.omega - start.omega) / (to - start.omega)), 1.0)))
         except NoPeriodicStateError as error:
@@ -162,18 +161,6 @@ def _curve_in_words(kind: str, followed: list[LocusPoint], ended: str | None) ->
     return "\n".join(lines if ended is None else [*lines, f"ended: {ended}"])
 
 
-def _stated(rope: Asked) -> Callable[[float], LinearRope]:
-    """The rope for the numerics, by Ω."""
-    from derivations.cross_check.ropes import in_numbers
-
-    def stated(value: float) -> LinearRope:
-        at = {**rope.at, "Omega": value}
-        rest = complex(rope.rope.at(at).rest or 0).real
-        return in_numbers(rope.rope, rope.rope.values(at), rest)
-
-    return stated
-
-
 def _followed(
     rope: Asked,
     epsilon: float,
@@ -187,12 +174,13 @@ def _followed(
 ) -> tuple[list[BranchPoint], str | None]:
     """The points, and why there are no more; of the doubled branch where it is asked for."""
     from asymptotics.errors import InputError
+    from derivations.cross_check.ropes import by_frequency
     from derivations.progress import progress
     from numerics.periodic.branches import follow, switched
     from numerics.periodic.linear_rope import NoPeriodicStateError
     from numerics.periodic.states import periodic_state
 
-    stated = _stated(rope)
+    stated = by_frequency(rope.rope, rope.at)
     low, high = min(ends), max(ends)
     if free == "epsilon":
         low, high = min(low, 0.0), max(high, 0.0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from derivations.commands.options import JsonOption, PlotOption
+from derivations.commands.options import DataOption, JsonOption, PlotOption, WorkersOption
 from derivations.output import show, wrote
 
 if TYPE_CHECKING:
@@ -40,13 +40,8 @@ def critical(
     denominators: Annotated[
         int, typer.Option(metavar="q", help="With --between: of how large Farey neighbours.")
     ] = 8,
-    data: Annotated[
-        Path | None,
-        typer.Option(metavar="FOLDER", help="Where points are kept, and taken up again from."),
-    ] = None,
-    workers: Annotated[
-        int, typer.Option(metavar="COUNT", min=1, help="Processes that compute.")
-    ] = 1,
+    data: DataOption = None,
+    workers: WorkersOption = 1,
     as_json: JsonOption = False,
     plot: PlotOption = None,
 ) -> None:
@@ -184,19 +179,15 @@ def number_of(text: str) -> tuple[float, float | None]:
 
 
 def _as_json(found: BreakUp) -> dict[str, Any]:
+    from numerics.exact_string.envelope import numbers_of
+
     circle = found.last_circle
     return {
         "command": "critical",
         "rotation": found.rotation.value,
         "continued_fraction": list(found.rotation.head),
-        "K": found.strength,
-        "omega": found.omega,
-        "epsilon": found.epsilon,
-        "error": found.strength_error,
-        "omega_error": found.omega_error,
-        "epsilon_error": found.epsilon_error,
+        **numbers_of(found),
         "residue": found.crossings[-1].residue,
-        "K_by_norms": found.by_norms,
         "last_circle": None
         if circle is None
         else {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from derivations.commands.options import JsonOption
+from derivations.commands.options import JsonOption, WorkersOption
 from derivations.output import show, wrote
 
 if TYPE_CHECKING:
@@ -37,9 +37,7 @@ def figure2(
     tables: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the tables, as markdown: .md.")
     ] = None,
-    workers: Annotated[
-        int, typer.Option(metavar="COUNT", min=1, help="Processes that compute.")
-    ] = 1,
+    workers: WorkersOption = 1,
     as_json: JsonOption = False,
 ) -> None:
     """Compute where the wave-less state is lost, and draw it against every law."""

@@ -46,6 +46,15 @@ HeightOption = Annotated[
 FrequencyOption = Annotated[
     float | None, typer.Option("--omega", metavar="Ω", help="Ω = ωx₀/c > 0; or --hz and --height.")
 ]
+DataOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--data", metavar="FOLDER", help="Where points are kept, and taken up again from."
+    ),
+]
+WorkersOption = Annotated[
+    int, typer.Option("--workers", metavar="COUNT", min=1, help="Processes that compute.")
+]
 
 LIST = "X,X,…|START:STOP:STEP"
 """How :func:`numbers_of` wants them."""

@@ -34,10 +34,6 @@ if TYPE_CHECKING:
     from numerics.periodic.states import PeriodicState
 
 
-FOLDINGS = 4.0
-"""By e, that a disturbance is to grow before it is missed."""
-
-
 def state(
     epsilon: EpsilonOption,
     omega: FrequencyOption = None,
@@ -70,7 +66,7 @@ def state(
     from asymptotics.checks import finite_number
     from asymptotics.errors import InputError
     from asymptotics.problems.presets import string
-    from derivations.cross_check.ropes import in_numbers
+    from derivations.cross_check.ropes import by_frequency
     from derivations.progress import progress
     from numerics.periodic.branches import doubled_state
     from numerics.periodic.states import periodic_state
@@ -84,9 +80,7 @@ def state(
     if not omega > 0:
         raise InputError(f"--omega {omega!r}: the frequency has to be positive")
     rope = asked(problem, values, beta, driven_end, damping, drive) or Asked(string(), {})
-    at = {**rope.at, "Omega": omega}
-    rest = complex(rope.rope.at(at).rest or 0).real
-    stated = in_numbers(rope.rope, rope.rope.values(at), rest)
+    stated = by_frequency(rope.rope, rope.at)(omega)
     if simulate is not None:
         need("numba")
     with progress("finding the state", 1.0, as_json):
@@ -112,7 +106,7 @@ def state(
         "omega": omega,
         "epsilon": epsilon,
         "problem": str(rope.rope),
-        "static_contact": rest,
+        "static_contact": stated.rest,
         "contact": [float(c) for c in found.waves.real],
         **({} if found.even else {"contact_sine": [float(c) for c in found.waves.imag]}),
         "subharmonic": found.modes.subharmonic,
@@ -153,10 +147,11 @@ def _simulated(found: PeriodicState, periods: int, quiet: bool) -> dict[str, Any
 
 
 def _run_in_words(run: dict[str, Any], found: PeriodicState, judged: Stability | None) -> str:
+    from numerics.thresholds.from_state import periods_needed
+
     told = f"simulated {run['periods']} periods, started on the state: {run['outcome']}"
     if judged is not None and judged.verdict == "unstable" and run["outcome"] != "leaves":
-        each = math.log(abs(judged.multipliers[0]))
-        wanted = math.ceil(FOLDINGS / each * found.modes.subharmonic)
+        wanted = periods_needed(judged.multipliers, found.modes.subharmonic)
         told += f" (the fastest disturbance needs some {wanted} periods to be seen)"
     if run["rate"] is not None:
         told += f"; disturbances change at {run['rate']:.5f} +- {run['rate_error']:.5f} per tau"

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from derivations.cross_check.ropes import in_numbers
+from derivations.cross_check.ropes import by_frequency
 
 FORMAT = 3
 """Counts up whenever older points are no longer comparable."""
@@ -29,9 +29,6 @@ MARGIN = 0.1
 """Part of ε, below and above, at which the simulator starts."""
 FEWEST_PERIODS, MOST_PERIODS = 60, 600
 """Of the drive that it runs."""
-FOLDINGS = 4.0
-"""Foldings by e of the fastest disturbance that it is given time for."""
-MODES, ACCURACY = 10, 1e-8
 STEEP, NARROWEST = 2.0, 1e-3
 """Of neighbours in ε, above which one is put between them; and in Ω, below which none is."""
 
@@ -98,16 +95,10 @@ def _lower_bound(low: float, mechanism: str = "loss of regularity") -> Point:
 
 
 def _stated(beta: float, driven_end: str) -> Callable[[float], Any]:
-    """The rope for the numerics, by Ω."""
+    """The paper's rope for the numerics, by Ω."""
     from asymptotics.problems.presets import beam
 
-    rope = beam(driven_end=driven_end)
-
-    def stated(omega: float) -> Any:
-        at = {"beta": beta, "Omega": omega}
-        return in_numbers(rope, rope.values(at), complex(rope.at(at).rest or 0).real)
-
-    return stated
+    return by_frequency(beam(driven_end=driven_end), {"beta": beta})
 
 
 def _rope(beta: float, driven_end: str, omega: float) -> Point:
@@ -143,9 +134,10 @@ def _both_sides(rope: Any, found: Point) -> Point:
     nothing is said.
     """
     from numerics.periodic.linear_rope import NoPeriodicStateError
+    from numerics.periodic.loss import ACCURACY, FEW_MODES
     from numerics.periodic.stability import multipliers
     from numerics.periodic.states import periodic_state
-    from numerics.thresholds.from_state import outcome
+    from numerics.thresholds.from_state import outcome, periods_needed
 
     low, high = found["lower"] * (1 - MARGIN), found["beyond"]
     told: Point = {"below_at": low, "below": "undecided", "above_at": high, "above": None}
@@ -154,10 +146,10 @@ def _both_sides(rope: Any, found: Point) -> Point:
         needed = 0
         if found["upper"] is not None and high is None:
             told["above_at"] = high = found["upper"] * (1 + MARGIN)
-            needed = math.ceil(2 * math.pi / abs(np.angle(multipliers(stable, MODES))).min())
+            needed = math.ceil(2 * math.pi / abs(np.angle(multipliers(stable, FEW_MODES))).min())
         elif high is not None:
             beyond = periodic_state(rope, high, accuracy=ACCURACY)
-            needed = math.ceil(FOLDINGS / math.log(abs(multipliers(beyond, MODES)).max()))
+            needed = periods_needed(multipliers(beyond, FEW_MODES))
     except NoPeriodicStateError:  # in a gap that a high harmonic makes
         return {**told, "periods": 0, "needed": None}
     periods = min(max(needed, FEWEST_PERIODS), MOST_PERIODS)

@@ -75,6 +75,17 @@ def in_numbers(rope: MovingContact, values: Mapping[str, Fraction], rest: float)
     )
 
 
+def by_frequency(rope: MovingContact, at: Mapping[str, Any]) -> Callable[[float], LinearRope]:
+    """Ω ↦ the rope for the numerics, at values of its other parameters."""
+
+    def stated(omega: float) -> LinearRope:
+        values = {**at, "Omega": omega}
+        rest = complex(rope.at(values).rest or 0).real
+        return in_numbers(rope, rope.values(values), rest)
+
+    return stated
+
+
 def _drive(waves: Mapping[int, complex], omega: float) -> Callable[[Array], Array]:
     def drive(tau: Array) -> Array:
         total = np.zeros(np.shape(tau), dtype=complex)

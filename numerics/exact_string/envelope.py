@@ -15,7 +15,7 @@ import math
 from typing import Any
 
 from numerics.errors import InputError, NumericsError
-from numerics.exact_string.break_up import break_up
+from numerics.exact_string.break_up import BreakUp, break_up
 from numerics.exact_string.rotation import GOLDEN, Noble, noble
 
 LARGEST = 60
@@ -87,8 +87,12 @@ def end_of(task: dict[str, Any]) -> dict[str, Any]:
         found = break_up(rotation)
     except NumericsError as error:
         return {**row, "reason": str(error)}
+    return {**row, **numbers_of(found)}
+
+
+def numbers_of(found: BreakUp) -> dict[str, Any]:
+    """K, Ω and ε with their errors, by the names that files and commands give them."""
     return {
-        **row,
         "K": found.strength,
         "omega": found.omega,
         "epsilon": found.epsilon,

@@ -170,7 +170,7 @@ class _Locus:
         _, v, w = self.null(z)
         _, rows = self.equations(z)
         slope = w @ rows[:-1, -2:] * self.units[1:]
-        return float(-(self._along(z, v, w) @ v)), np.asarray(slope, dtype=float)
+        return float(-(rows[-1, :-2] @ v)), np.asarray(slope, dtype=float)
 
     def metric(self, y: Array) -> Array:
         found = np.zeros_like(y)

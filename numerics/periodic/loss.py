@@ -33,10 +33,11 @@ from numerics.periodic.states import PeriodicState, decay, periodic_state, resol
 
 _FIRST, _LEAST = 1e-3, 1e-9
 """The first ε, part of the largest; and below which no state is sought."""
+FEW_MODES = 10
+"""Of the multipliers that are looked at first."""
+ACCURACY = 1e-8
+"""Harmonics that are left out, relative: what rounding leaves where the state is large."""
 _STEPS, _LONGEST = 400, 60.0
-_FEW_MODES = 10
-# Harmonics that are left out, relative: what rounding leaves where the state is large.
-_ACCURACY = 1e-8
 # Relative width to which instabilities and grazes are bracketed.
 _WIDTH = 1e-3
 # Multipliers of later points are not computed closer together than this, part of ε.
@@ -175,7 +176,7 @@ class _Walk:
                 limits,
                 _STEPS,
                 longest=_LONGEST,
-                accuracy=_ACCURACY,
+                accuracy=ACCURACY,
             ):
                 if self._seen(point):
                     return
@@ -230,7 +231,7 @@ class _Walk:
             between = [self.judged * ratio ** (k / count) for k in range(1, count)]
         for epsilon in between:
             try:
-                state = periodic_state(self.rope, epsilon, accuracy=_ACCURACY)
+                state = periodic_state(self.rope, epsilon, accuracy=ACCURACY)
             except NoPeriodicStateError:
                 continue
             if self._unstable(state):
@@ -241,7 +242,7 @@ class _Walk:
 
     def _unstable(self, state: PeriodicState) -> bool:
         """Whether a state is, for sure; then the loss is located."""
-        if abs(multipliers(state, _FEW_MODES)).max() <= 1 + TOLERANCE:
+        if abs(multipliers(state, FEW_MODES)).max() <= 1 + TOLERANCE:
             return False
         verdict = stability(state)
         if verdict.verdict != "unstable":
@@ -262,8 +263,8 @@ class _Walk:
         """Between the last stable ε and an unstable one, by bisection."""
 
         def unstable(epsilon: float) -> bool:
-            state = periodic_state(self.rope, epsilon, accuracy=_ACCURACY)
-            return bool(abs(multipliers(state, _FEW_MODES)).max() > 1 + TOLERANCE)
+            state = periodic_state(self.rope, epsilon, accuracy=ACCURACY)
+            return bool(abs(multipliers(state, FEW_MODES)).max() > 1 + TOLERANCE)
 
         return _bisected(unstable, self.judged, above)
 
@@ -271,7 +272,7 @@ class _Walk:
         """Where the clearance ends."""
 
         def below(epsilon: float) -> bool:
-            return periodic_state(self.rope, epsilon, accuracy=_ACCURACY).clearance() <= 0
+            return periodic_state(self.rope, epsilon, accuracy=ACCURACY).clearance() <= 0
 
         return _bisected(below, 0.0 if self.last is None else self.last.epsilon, point.epsilon)
 
@@ -289,7 +290,7 @@ class _Walk:
         step = max((here - last.epsilon) / 4, 1e-6 * here)
         try:
             for other in follow(
-                self.ropes, found, "epsilon", step, (0.0, self.highest), 60, accuracy=_ACCURACY
+                self.ropes, found, "epsilon", step, (0.0, self.highest), 60, accuracy=ACCURACY
             ):
                 if other.kind == point.kind:
                     near, apart = other.epsilon, abs(other.epsilon - here)
@@ -315,8 +316,8 @@ class _Walk:
             self.harmonic,
             None if growth is None else state.epsilon,
             growth,
-            resolved(state, _ACCURACY),
-            decay(state, _ACCURACY),
+            resolved(state, ACCURACY),
+            decay(state, ACCURACY),
             state.amplitude,
             *self.end,
         )

@@ -53,7 +53,7 @@ _SETTLED = 0.25
 # Growth is sure if it exceeds so many standard errors and g has grown by the first factor; in doubt
 # if by the second.
 _SURE, _GROWN, _DOUBTFUL = 3.0, 2.0, 1.5
-_FEWEST = 8
+_FEWEST, _FOLDINGS = 8, 4.0
 
 
 class Outcome(Enum):
@@ -278,6 +278,15 @@ def departure(
         outcome = Outcome.LEAVES
     shed = bool((waves > wave).any())
     return Departure(middles, distance, grown, rate, error, left, shed, outcome)
+
+
+def periods_needed(multipliers: Complex, subharmonic: int = 1) -> int:
+    """The drive's periods in which the fastest disturbance grows by e⁴: less, and it is missed.
+
+    >>> periods_needed(np.array([-1.0517519 + 0j]))
+    80
+    """
+    return math.ceil(_FOLDINGS / math.log(abs(multipliers).max()) * subharmonic)
 
 
 def usual_grid(rope: LinearRope, finer: int = 1) -> Grid:
