@@ -31,7 +31,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from flint import arb, arb_poly, arb_series, fmpq
+from flint import acb, acb_poly, arb, arb_poly, arb_series, fmpq
 
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import Expansion, expand
@@ -77,6 +77,39 @@ class PolynomialRing(FloatRing):
     def is_zero(self, element: Any) -> bool:
         """Exactly zero; a ball around zero may hold another number."""
         return len(element) == 0
+
+    def constant(self, number: acb) -> Any:
+        """The real part of a number."""
+        return arb_poly([number.real])
+
+
+class ComplexPolynomialRing(PolynomialRing):
+    """Polynomials in a real r with complex balls as coefficients, for b = r e^{iφ}.
+
+    >>> ring = ComplexPolynomialRing()
+    >>> ring.conjugate(acb_poly([0, acb(0, 1)])).coeffs()
+    [0, -1.00000000000000j]
+    """
+
+    even = False
+    zero: Any = acb_poly([])
+    one: Any = acb_poly([1])
+
+    def rational(self, numerator: int, denominator: int = 1) -> Any:
+        """A constant."""
+        return acb_poly([acb(fmpq(numerator, denominator))])
+
+    def sum(self, terms: Iterable[Any]) -> Any:
+        """Σ terms."""
+        return sum(terms, acb_poly([]))
+
+    def conjugate(self, element: Any) -> Any:
+        """Each coefficient's conjugate: r is real."""
+        return acb_poly([c.conjugate() for c in element.coeffs()])
+
+    def constant(self, number: acb) -> Any:
+        """A number."""
+        return acb_poly([number])
 
 
 def exchanged(wave: Waves) -> tuple[Column, Column, Column]:
@@ -170,7 +203,7 @@ def reduced_equation(shape: StaticBeam, omega: arb, q: int, order: int) -> Reduc
     return [left_over(solution, q, n) for n in range(1, order + 1)]
 
 
-def left_over(solution: Expansion[Any], q: int, n: int) -> list[arb]:
+def left_over(solution: Expansion[Any], q: int, n: int) -> list[Any]:
     """Order n of the contact condition w = 0 in harmonic q: w_n + Σ ξ_k H_{1, n−k}."""
     terms: Terms[Any] = {}
     for k in range(1, n):
@@ -178,7 +211,7 @@ def left_over(solution: Expansion[Any], q: int, n: int) -> list[arb]:
         multiply_into(terms, solution.contact(k), tail, solution.problem.ring)
     shape = solution.shape(n)
     own = [shape[q][0]] if q in shape else []
-    found = sum([*terms.get(q, []), *own], arb_poly([])).coeffs()
+    found = solution.problem.ring.sum([*terms.get(q, []), *own]).coeffs()
     return found + [arb(0)] * (n + 1 - len(found))
 
 

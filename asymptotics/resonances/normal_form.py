@@ -1,4 +1,4 @@
-r"""The normal form of any simple resonance JΩ/s ≈ ω_p of an undamped rope, through order N.
+r"""The normal form of any simple resonance JΩ/s ≈ ω_p of a rope, through order N.
 
 Harmonics are counted in units of Ω/s: the drive has the multiples of s, and harmonic J is nearly
 resonant. Its b = ∂^{m−1}w_J at ξ₀ is the second small parameter, and what the reduction
@@ -21,6 +21,11 @@ that resonate themselves can cut the branch in narrow loops of which no order up
 
 States even in time have a real b. For s = 2 and J odd they stand on one edge; those on the other
 are even about the middle of the drive's period, which turns the sign of its odd harmonics.
+
+With damping, gyroscopic terms or phases in the drive b is complex, and G a polynomial in ε, b and
+b̄. The loop takes b = r e^{iφ} with r as the letter, once for each of N + 1 phases φ; since a
+coefficient of b^l b̄^m has the factor e^{i(l−m)φ}, a discrete Fourier transform parts them. An edge
+then is |A| = |B| for the linear part A b + B b̄, and D does not vanish: ω_p is where it is least.
 """
 
 from __future__ import annotations
@@ -34,18 +39,26 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from flint import arb
+from flint import acb, fmpq
 
 from asymptotics.checks import finite_number, whole_number
 from asymptotics.errors import InputError
 from asymptotics.problems.free_frequencies import free_frequencies
 from asymptotics.problems.moving_contact import MovingContact
+from asymptotics.resonances.bifurcation_equation import (
+    Polynomial,
+    edge_of,
+    folds_of,
+    followed,
+    polynomial_of,
+    roots_at,
+)
 from asymptotics.resonances.fold_range import ACCURACY
-from asymptotics.resonances.rope_fold import LARGEST_Q, Resonant, reduced, reducible
+from asymptotics.resonances.rope_fold import LARGEST_Q, Resonant, placed, reduced
 from asymptotics.rings.harmonics import reachable
 from asymptotics.rings.precision import PrecisionError, at_precision
 
-Array = npt.NDArray[np.float64]
+Array = npt.NDArray[Any]
 
 LEAST_ORDER, MOST_ORDER = 5, 25
 """N: from the first with two lower orders of its own parity that have a cubic, or nearly."""
@@ -57,8 +70,6 @@ MOST_FREQUENCIES = 200
 _ROUNDING = 1e-9
 # Around the resonance, as a share of Ω: farther off another free frequency is as near.
 _FARTHEST = 0.5
-# Of the curve G = 0, in units in which the leading terms are of order one.
-_STEP, _REACH, _MOST_STEPS = 0.02, 4.0, 4000
 
 
 @dataclass(frozen=True)
@@ -70,7 +81,7 @@ class Point:
     epsilon, error
         ε, and twice the larger change between orders N, N − 2, N − 4.
     amplitude
-        Of cos(JΩτ/s) in ξ_c, to leading order: −2b/a_m. 0 at an edge.
+        Of cos(JΩτ/s) in ξ_c, to leading order: −2b/a_m, |2b/a_m| for a complex b. 0 at an edge.
     """
 
     epsilon: float
@@ -91,7 +102,8 @@ class NormalForm:
     omega, order
         Ω and N.
     rows
-        Row n − 1 holds g_{n−k,k}, the coefficient of ε^{n−k} b^k, k = 0 … n.
+        Row n − 1 holds g_{n−k,k}, the coefficient of ε^{n−k} b^k, k = 0 … n; for a complex b, as a
+        matrix over (k, l), that of ε^{n−k} b^l b̄^{k−l}.
     mirrored
         The rows for the drive half a period later; None where they say nothing new.
     leading
@@ -154,9 +166,17 @@ class NormalForm:
         By ``order`` ≤ N; as far as the leading balance reaches.
         """
         polynomial = self.polynomial(order)
-        places = followed(polynomial) if self.forced else followed_from_edge(polynomial)
-        curve = np.array(places).reshape(-1, 2)
-        return curve[:, 0], -2 * curve[:, 1] / self.leading
+        places = np.array(followed(polynomial)).reshape(-1, 1 + polynomial.unknowns)
+        b = places[:, 1] if polynomial.real else places[:, 1] + 1j * places[:, 2]
+        return places[:, 0], self._amplitude(b)
+
+    def _amplitude(self, b: Any) -> Any:
+        return 2 * np.abs(b / self.leading) if self.is_complex else -2 * b / self.leading
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether b is complex: damping, gyroscopic terms, phases in the drive."""
+        return self.rows[0].ndim == 2
 
     def polynomial(self, order: int | None = None) -> Polynomial:
         """G through an order; of the two drives, for s even, the one whose edge comes first."""
@@ -175,7 +195,7 @@ class NormalForm:
         return tuple(n for n in (self.order, self.order - 2, self.order - 4) if n >= 3)
 
     def _agreed(
-        self, what: str, found: Sequence[Sequence[tuple[float, float]]]
+        self, what: str, found: Sequence[Sequence[tuple[float, complex]]]
     ) -> tuple[Point, ...]:
         """The points of order N, in the branch's order, as far as the lower orders have them."""
         if self.rival is not None:
@@ -190,7 +210,7 @@ class NormalForm:
         for same in zip(*found, strict=False):
             changes = [abs(a[0] - b[0]) for a, b in pairwise(same)]
             error = 2 * max(changes)
-            point = Point(same[0][0], error, -2 * same[0][1] / self.leading)
+            point = Point(same[0][0], error, float(self._amplitude(same[0][1])))
             if not point.error <= ACCURACY * point.epsilon:
                 break
             points.append(point)
@@ -207,14 +227,17 @@ class NormalForm:
         )
 
     def amplitudes(self, epsilon: float) -> Array:
-        """The real roots b of G at one ε by order N, increasing, as amplitudes −2b/a_m."""
+        """The amplitudes at one ε by order N, increasing: of all real roots b; of the branch
+        from rest or from the edge for a complex b."""
         polynomial = self.polynomial()
+        if not polynomial.real:
+            return np.sort(self._amplitude(np.array(roots_at(polynomial, epsilon))))
         coefficients = np.zeros(self.order + 1)
         terms = polynomial.size * float(epsilon) ** polynomial.across
         np.add.at(coefficients, polynomial.along, terms)
         roots = np.roots(coefficients[::-1])
         real = roots[np.abs(roots.imag) <= 1e-9 * (np.abs(roots) + 1e-300)].real
-        return np.sort(-2 * real / self.leading)
+        return np.sort(self._amplitude(real))
 
 
 def normal_form(
@@ -231,8 +254,8 @@ def normal_form(
     Parameters
     ----------
     rope
-        As for :func:`asymptotics.resonances.rope_fold.rope_fold`. For s > 1 its coefficients may
-        not hold Ω.
+        As it was written down, with constant coefficients and a ground that does not give way. For
+        s > 1 its coefficients may not hold Ω.
     at
         Symbol or name ↦ number, without Ω.
     p, q, subharmonic
@@ -268,7 +291,7 @@ def normal_form(
         raise InputError(f"order = {order!r}; give {LEAST_ORDER} … {MOST_ORDER}")
     if subharmonic > 1 and rope.depends_on_frequency:
         raise InputError(f"{rope}: its coefficients hold Omega; subharmonics need them without")
-    values, start = reducible(rope, at, p)
+    values, start = placed(rope, at, p)
     resonance = subharmonic * start / q
     if not abs(omega - resonance) < _FARTHEST * resonance:
         raise InputError(
@@ -278,7 +301,7 @@ def normal_form(
     _check_excited(rope, q, subharmonic)
     rows, leading = _rows(rope, values, q, subharmonic, omega, order, mirrored=False)
     other = None
-    if subharmonic % 2 == 0:
+    if subharmonic % 2 == 0 and rows[0].ndim == 1:
         other, _ = _rows(rope, values, q, subharmonic, omega, order, mirrored=True)
     rival = _rival(rope, at, p, q, subharmonic, omega, order)
     return NormalForm(p, q, subharmonic, start, omega, order, rows, other, leading, rival)
@@ -290,10 +313,10 @@ def _rival(
     """(n, j) of the resonance sω_n/j nearest to Ω, j ≤ N, if it is no farther than sω_p/q."""
     given = {key: x for key, x in at.items() if str(key) != "Omega"}
     count, highest = p + 1, 2 * order * omega / s
-    spectrum = np.array(free_frequencies(rope, given, count).values)
+    spectrum = np.real(free_frequencies(rope, given, count).values)
     while spectrum[-1] < highest and count < MOST_FREQUENCIES:
         count = min(2 * count, MOST_FREQUENCIES)
-        spectrum = np.array(free_frequencies(rope, given, count).values)
+        spectrum = np.real(free_frequencies(rope, given, count).values)
     drive = sorted({q, *(s * abs(j) for c in rope.driven_end for j in c.drive)})
     harmonics = sorted({j for n in range(1, order + 1) for j in reachable(drive, n) if j})
     harmonics = [j for j in harmonics if j <= order]
@@ -332,172 +355,65 @@ def _rows(
     for bits in _BITS:
         with at_precision(bits):
             try:
-                found = reduced(resonant, rate, q, order)
-                leading = resonant.at(rate).static.derivative(rope.contact_order).real
+                made = resonant.at(rate)
+                leading = made.static.derivative(rope.contact_order).real
+                if made.even:
+                    found = reduced(resonant, rate, q, order)
+                    rows = [_in_doubles(row, each=True) for row in found]
+                else:
+                    rows = [
+                        None if any(x is None for x in row) else np.array(row)
+                        for row in _complex_rows(resonant, rate, q, order)
+                    ]
             except PrecisionError:
                 continue
-            if all(_narrow(g) for row in found for g in row):
-                rows = tuple(np.array([float(g.mid()) for g in row]) for row in found)
-                return rows, float(leading.mid())
+            if all(row is not None for row in rows):
+                return tuple(row for row in rows if row is not None), float(leading.mid())
     raise InputError(
         f"the normal form at Omega = {omega!r} is lost in {_BITS[-1]} bits: another resonance is "
         "too close"
     )
 
 
-def _narrow(ball: arb) -> bool:
-    return bool(ball.rad() <= 2.0**-52 * max(float(ball.abs_upper()), 2.0**-200))
+def _complex_rows(
+    resonant: Resonant, rate: Fraction, q: int, order: int
+) -> list[list[Array | None]]:
+    """g_{n−k,l,k−l}: row n, k, l = 0 … n with zeros for l > k; None where digits are missing."""
+    phases = order + 1
+    # e^{i(l−m)φ} with φ = πp/(N + 1) is e^{−ikφ} e^{2ilφ}: a transform of N + 1 points in l.
+    turns = [acb(fmpq(p, phases)).exp_pi_i() for p in range(phases)]
+    sampled = [reduced(resonant, rate, q, order, turn) for turn in turns]
+    rows = []
+    for n in range(1, order + 1):
+        row = []
+        for k in range(n + 1):
+            values = [sampled[p][n - 1][k] * turns[p] ** k for p in range(phases)]
+            parted = [
+                sum((v * turns[p] ** (-2 * power) for p, v in enumerate(values)), acb(0)) / phases
+                for power in range(k + 1)
+            ]
+            found = _in_doubles(parted, each=False)
+            row.append(None if found is None else np.append(found, np.zeros(n - k)))
+        rows.append(row)
+    return rows
 
 
-@dataclass(frozen=True)
-class Polynomial:
-    """Σ g ε^i b^j: i, j and g as arrays ``across``, ``along``, ``size``."""
+def _in_doubles(balls: Sequence[Any], each: bool) -> Array | None:
+    """Centres, when the balls are narrow: each against itself, or all against the largest.
 
-    across: npt.NDArray[np.intp]
-    along: npt.NDArray[np.intp]
-    size: Array
-
-    def __call__(self, place: Array) -> tuple[float, list[float]]:
-        """G and ∂G/∂ε, ∂G/∂b, ∂²G/∂b∂ε, ∂²G/∂b² at (ε, b)."""
-        i, j = self.across, self.along
-        x, y = (place[0] ** np.arange(i.max() + 1), place[1] ** np.arange(j.max() + 1))
-        by_x, by_y, by_yy = i * x[i - 1], j * y[j - 1], j * (j - 1) * y[j - 2]
-        parts = (x[i] * y[j], by_x * y[j], x[i] * by_y, by_x * by_y, x[i] * by_yy)
-        g, *rest = (float(self.size @ part) for part in parts)
-        return g, rest
-
-    def first(self, i: int | None = None, j: int | None = None) -> tuple[int, float]:
-        """The lowest power of the one letter where the other has the power given, and its size."""
-        fixed, free = (self.across, self.along) if i is not None else (self.along, self.across)
-        rows = np.flatnonzero(fixed == (i if i is not None else j))
-        row = rows[np.argmin(free[rows])]
-        return int(free[row]), float(self.size[row])
-
-    def scaled(self, epsilon: float, b: float) -> Polynomial:
-        """In ε and b over these units, the largest coefficient one."""
-        size = self.size * float(epsilon) ** self.across * float(b) ** self.along
-        return replace(self, size=size / np.abs(size).max())
-
-    def over_b(self) -> Polynomial:
-        """G/b, for a G without a term free of b."""
-        return replace(self, along=self.along - 1)
-
-
-def polynomial_of(rows: Sequence[Array]) -> Polynomial:
-    """G of rows g_{n−k,k}, without the coefficients that are zero."""
-    terms = [(n - k, k, g) for n, row in enumerate(rows, start=1) for k, g in enumerate(row) if g]
-    across, along, size = zip(*terms, strict=True)
-    return Polynomial(np.array(across), np.array(along), np.array(size, dtype=float))
-
-
-def _units(polynomial: Polynomial) -> tuple[float, float]:
-    """ε and b at which D b, α b³ and the first other term are alike."""
-    detuning = abs(polynomial.first(i=0)[1])
-    cubics = polynomial.size[(polynomial.across == 0) & (polynomial.along == 3)]
-    b = math.sqrt(detuning / abs(cubics[0])) if cubics.size else 1.0
-    if (polynomial.along == 0).any():
-        power, drive = polynomial.first(j=0)
-        return float((detuning * b / abs(drive)) ** (1 / power)), b
-    edge = edge_of(polynomial)
-    return (edge[0][0] if edge else 1.0), b
-
-
-def followed(polynomial: Polynomial) -> list[Array]:
-    """(ε, b) along G = 0 from rest, by arclength.
-
-    It ends where ε returns to 0, on the backbone, or where ε or b have left the leading balance far
-    behind.
+    A ball around zero, against the largest, is a zero.
     """
-    units = np.array(_units(polynomial))
-    scaled = polynomial.scaled(*units)
-    by_x, by_y = scaled(np.zeros(2))[1][:2]
-    return [place * units for place in _traced(scaled, np.zeros(2), np.array([by_y, -by_x]))]
+    sizes = [float(abs(x).upper()) for x in balls]
+    floor = 2.0**-200
+    bounds = [max(size, floor) for size in (sizes if each else [max(sizes)] * len(sizes))]
+    if not all(_width(x) <= 2.0**-52 * bound for x, bound in zip(balls, bounds, strict=True)):
+        return None
+    if each:
+        return np.array([float(x.mid()) for x in balls])
+    return np.array([0j if x.contains(0) else complex(x.mid()) for x in balls])
 
 
-def followed_from_edge(polynomial: Polynomial) -> list[Array]:
-    """(ε, b) along G/b = 0 from the tongue's edge, b > 0; empty where there is no edge."""
-    edge = edge_of(polynomial)
-    if not edge:
-        return []
-    units = np.array(_units(polynomial))
-    scaled = polynomial.over_b().scaled(*units)
-    return [
-        place * units for place in _traced(scaled, np.array(edge[0]) / units, np.array([0.0, 1.0]))
-    ]
-
-
-def _traced(scaled: Polynomial, place: Array, tangent: Array) -> list[Array]:
-    """Pseudo-arclength from a place, towards ε > 0 or, where ε stands still, b > 0."""
-    tangent = tangent / np.linalg.norm(tangent)
-    if tangent @ np.array([1.0, 1e-9]) < 0:
-        tangent = -tangent
-    places = [place]
-    for _ in range(_MOST_STEPS):
-        place, tangent = _along(scaled, place, tangent)
-        if not (0 < place[0] < _REACH and abs(place[1]) < _REACH):
-            break
-        places.append(place)
-    return places
-
-
-def folds_of(polynomial: Polynomial) -> list[tuple[float, float]]:
-    """(ε, b) of the folds on the branch G = 0 that begins at rest.
-
-    >>> cubic = [np.array([-1.0, 1.5]), np.zeros(3), np.array([0.0, 0.0, 0.0, -0.5])]
-    >>> [(round(x, 6), round(y, 6)) for x, y in folds_of(polynomial_of(cubic))]
-    [(1.0, 1.0)]
-    """
-    units = np.array(_units(polynomial))
-    scaled = polynomial.scaled(*units)
-    found = []
-    places = [place / units for place in followed(polynomial)]
-    slopes = [scaled(place)[1][1] for place in places]
-    for place, before, after in zip(places[1:], slopes, slopes[1:], strict=False):
-        fold = _refined(scaled, place) if before * after < 0 else None
-        if fold is not None:
-            found.append((float(fold[0] * units[0]), float(fold[1] * units[1])))
-    return found
-
-
-def _along(scaled: Polynomial, place: Array, tangent: Array) -> tuple[Array, Array]:
-    """One step along G = 0, and the tangent there."""
-    target = place + _STEP * tangent
-    for _ in range(8):
-        g, gradient = scaled(target)
-        matrix = np.array([gradient[:2], list(tangent)])
-        step = np.linalg.solve(matrix, np.array([g, float(tangent @ (target - place)) - _STEP]))
-        target = target - step
-        if np.abs(step).max() < 1e-12:
-            break
-    gradient = scaled(target)[1]
-    turned = np.array([gradient[1], -gradient[0]])
-    turned /= np.linalg.norm(turned)
-    return target, turned if turned @ tangent > 0 else -turned
-
-
-def _refined(scaled: Polynomial, place: Array) -> Array | None:
-    """The double root next to a place, by Newton."""
-    start = place
-    for _ in range(20):
-        g, (by_x, by_y, by_xy, by_yy) = scaled(place)
-        step = np.linalg.solve(np.array([[by_x, by_y], [by_xy, by_yy]]), [g, by_y])
-        place = place - step
-        if not np.abs(place - start).max() < 4 * _STEP:
-            return None
-        if np.abs(step).max() < 1e-13:
-            break
-    return place
-
-
-def edge_of(polynomial: Polynomial) -> list[tuple[float, float]]:
-    """(ε, 0) at the least ε > 0 with ∂G/∂b = 0 at b = 0; empty where there is none.
-
-    >>> edge_of(polynomial_of([np.array([0.0, 1.0]), np.array([0.0, -4.0, 0.0])]))
-    [(0.25, 0.0)]
-    """
-    linear = polynomial.along == 1
-    coefficients = np.zeros(int(polynomial.across.max()) + 1)
-    np.add.at(coefficients, polynomial.across[linear], polynomial.size[linear])
-    roots = np.roots(coefficients[::-1])
-    real = roots[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0)].real
-    return [(float(real.min()), 0.0)] if real.size else []
+def _width(ball: Any) -> float:
+    if isinstance(ball, acb):
+        return max(float(ball.real.rad()), float(ball.imag.rad()))
+    return float(ball.rad())

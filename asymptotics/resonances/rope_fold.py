@@ -30,12 +30,17 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from flint import acb, arb, arb_poly, ctx
+from flint import acb, acb_poly, arb, arb_poly, ctx
 
 from asymptotics.checks import whole_number
 from asymptotics.errors import InputError
 from asymptotics.expansion.order_loop import expand
-from asymptotics.expansion.reduced_equation import PolynomialRing, left_over, until_narrow
+from asymptotics.expansion.reduced_equation import (
+    ComplexPolynomialRing,
+    PolynomialRing,
+    left_over,
+    until_narrow,
+)
 from asymptotics.problems.contact_problem import Enclosed, enclosed_problem
 from asymptotics.problems.enclosed_expressions import enclose
 from asymptotics.problems.free_frequencies import free_frequencies
@@ -201,28 +206,41 @@ def rope_fold(rope: MovingContact, at: Mapping[Any, Any], p: int, q: int) -> Rop
     )
 
 
-def reducible(
-    rope: MovingContact, at: Mapping[Any, Any], p: int
-) -> tuple[dict[str, Fraction], float]:
-    """The values of a rope whose resonances have one real amplitude, and its ω_p in doubles.
+def placed(rope: MovingContact, at: Mapping[Any, Any], p: int) -> tuple[dict[str, Fraction], float]:
+    """The values of a rope, and its ω_p in doubles; with damping the real part.
 
     Raises
     ------
     InputError
-        The rope is damped or gyroscopic, or driven by sines; p is not from 1 to 200; bad values.
+        p is not from 1 to 200; bad values.
     """
     whole_number("p", p, _MOST_P)
     given = {
         str(getattr(key, "name", key)): value for key, value in at.items() if str(key) != "Omega"
     }
     values = rope.values({**given, "Omega": 1})
+    return values, float(np.real(free_frequencies(rope, given, p).values[p - 1]))
+
+
+def reducible(
+    rope: MovingContact, at: Mapping[Any, Any], p: int
+) -> tuple[dict[str, Fraction], float]:
+    """The same, of a rope whose resonances have one real amplitude.
+
+    Raises
+    ------
+    InputError
+        Also: the rope is damped or gyroscopic, or driven by sines.
+    """
+    values, start = placed(rope, at, p)
     drives = [enclose(a, values) for c in rope.driven_end for a in c.drive.values()]
     if rope.irreversible or not all(a.imag.contains(0) for a in drives):
         raise InputError(
-            f"{rope}: one real amplitude is enough without damping and gyroscopic terms, driven by "
-            "cosines only; choose the time so that no phase is left"
+            f"{rope}: the law of leading terms is for one real amplitude, without damping and "
+            "gyroscopic terms, driven by cosines only; choose the time so that no phase is left, "
+            "or ask for the normal form (ropewave normal-form), which takes them"
         )
-    return values, float(free_frequencies(rope, given, p).values[p - 1])
+    return values, start
 
 
 def _exact(ball: arb) -> Fraction:
@@ -369,16 +387,22 @@ def _coefficients(
     ]
 
 
-def reduced(resonant: Resonant, rate: Fraction, q: int, order: int) -> list[list[arb]]:
-    """G through an order, at Ω = rate/q."""
+def reduced(
+    resonant: Resonant, rate: Fraction, q: int, order: int, phase: acb | None = None
+) -> list[list[Any]]:
+    """G through an order, at Ω = rate/q: real balls, or complex ones where b = r e^{iφ}.
+
+    ``phase`` is e^{iφ}, and the letter is r, for a rope whose states are not even in time.
+    """
     values = tuple(sorted({**resonant.values, "Omega": rate / q}.items()))
     base: Problem[Any] = enclosed_problem(resonant.rope, values)
     made = resonant.at(rate)
     data, by_b, driven = resonant.exchanged(made)
-    ring, b = PolynomialRing(), arb_poly([0, 1])
+    ring: PolynomialRing = PolynomialRing() if phase is None else ComplexPolynomialRing()
+    b = arb_poly([0, 1]) if phase is None else acb_poly([0, phase])
 
     def lift(row: Sequence[Any]) -> tuple[Any, ...]:
-        return tuple(arb_poly([acb(x).real]) for x in row)
+        return tuple(ring.constant(acb(x)) for x in row)
 
     @cache
     def mode(j: int) -> Mode[Any]:
@@ -397,11 +421,11 @@ def reduced(resonant: Resonant, rate: Fraction, q: int, order: int) -> list[list
         base,
         name=f"reduced {base.name}",
         ring=ring,
-        static=cache(lambda d: arb_poly([base.static(d)])),
+        static=cache(lambda d: ring.constant(acb(base.static(d)))),
         static_reduction=lift(base.static_reduction),
         mode=mode,
         drive=dict.fromkeys({*base.drive, q}, ring.one),
-        inverse_leading=arb_poly([base.inverse_leading]),
+        inverse_leading=ring.constant(acb(base.inverse_leading)),
     )
     solution = expand(problem, order)
     return [left_over(solution, q, n) for n in range(1, order + 1)]

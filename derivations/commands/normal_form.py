@@ -16,6 +16,7 @@ from derivations.commands.options import (
 )
 from derivations.commands.ropes import (
     BendingOption,
+    DampingOption,
     DriveOption,
     EndOption,
     ProblemOption,
@@ -39,16 +40,18 @@ def normal_form(
     order: Annotated[int, typer.Option("--order", "-N", metavar="N", help="5 to 25.")] = 9,
     beta: BendingOption = None,
     driven_end: EndOption = None,
+    damping: DampingOption = None,
     drive: DriveOption = None,
     problem: ProblemOption = None,
     values: SetOption = None,
     as_json: JsonOption = False,
     plot: PlotOption = None,
 ) -> None:
-    """G(ε, b) = 0 at a resonance JΩ/s ≈ ω_N of an undamped rope; its folds, or its tongue's edge.
+    """G(ε, b) = 0 at a resonance JΩ/s ≈ ω_N of a rope; its folds, or its tongue's edge.
 
     They are given where orders N, N − 2 and N − 4 agree; elsewhere Ω is outside the range. Without
-    --omega: the coefficients at the resonance.
+    --omega: the coefficients at the resonance. With damping or phases b is complex, G has its
+    conjugate b* too, and N + 1 expansions take the place of one.
     """
     from asymptotics.errors import InputError
     from asymptotics.problems.free_frequencies import free_frequencies
@@ -61,7 +64,7 @@ def normal_form(
     p, _, q = ratio.partition("/")
     if not (p.isdecimal() and q.isdecimal() and int(p) and int(q)):
         raise InputError(f"{ratio!r} is not N/J with positive whole numbers, such as 1/1 or 2/2")
-    rope = asked(problem, values, beta, driven_end, None, drive)
+    rope = asked(problem, values, beta, driven_end, damping, drive)
     if rope is None:
         raise InputError(
             "the string has no simple resonance: all multiples of one frequency resonate together "
@@ -115,11 +118,36 @@ def _as_json(
         "resonance": found.resonance,
         "omega": found.omega,
         "order": found.order,
-        "coefficients": [[float(g) for g in row] for row in found.rows],
+        "complex": found.is_complex,
+        "coefficients": [_plain(row) for row in found.rows],
         "fold": listed if found.forced else [],
         "edge": [] if found.forced else listed,
         "outside": outside,
     }
+
+
+def _plain(row: Any) -> list[Any]:
+    """Order n: over k the coefficient of ε^{n−k} b^k; over k and l ≤ k [Re, Im] of b^l b̄^{k−l}."""
+    if row.ndim == 1:
+        return [float(g) for g in row]
+    return [
+        [[float(g.real), float(g.imag)] for g in powers[: k + 1]] for k, powers in enumerate(row)
+    ]
+
+
+def _terms(n: int, row: Any) -> list[str]:
+    """The terms of order n that are not zero."""
+    if row.ndim == 1:
+        return [
+            f"{g:+.6g}{_power(' epsilon', n - k)}{_power(' b', k)}" for k, g in enumerate(row) if g
+        ]
+    return [
+        f"+({g.real:.6g}{g.imag:+.6g}i){_power(' epsilon', n - k)}{_power(' b', power)}"
+        f"{_power(' b*', k - power)}"
+        for k, powers in enumerate(row)
+        for power, g in enumerate(powers[: k + 1])
+        if g
+    ]
 
 
 def _in_words(found: NormalForm, rope: Any, points: tuple[Point, ...], outside: str | None) -> str:
@@ -131,9 +159,7 @@ def _in_words(found: NormalForm, rope: Any, points: tuple[Point, ...], outside: 
         f"G(epsilon, b) at Omega = {found.omega:.10g}, through order {found.order}:",
     ]
     for n, row in enumerate(found.rows, start=1):
-        terms = [
-            f"{g:+.6g}{_power(' epsilon', n - k)}{_power(' b', k)}" for k, g in enumerate(row) if g
-        ]
+        terms = _terms(n, row)
         if terms:
             lines.append(f"  order {n}: {'  '.join(terms)}")
     if outside is not None:

@@ -15,8 +15,9 @@ from asymptotics.problems.free_frequencies import free_frequencies
 from asymptotics.problems.moving_contact import moving_contact
 from asymptotics.problems.presets import beam, string
 from asymptotics.problems.symbols import Omega, W, epsilon, tau, xi
+from asymptotics.resonances.bifurcation_equation import Polynomial
 from asymptotics.resonances.folds import fold
-from asymptotics.resonances.normal_form import Polynomial, normal_form
+from asymptotics.resonances.normal_form import NormalForm, normal_form
 from asymptotics.resonances.rope_fold import rope_fold
 from asymptotics.rings.numbers import balls
 from asymptotics.rings.precision import at_precision
@@ -109,8 +110,8 @@ def test_amplitudes_and_branch_solve_the_equation() -> None:
     epsilon, amplitude = form.branch()
     assert epsilon.max() == pytest.approx(found.epsilon, rel=1e-3)
     for e, a in zip(epsilon[1::20], amplitude[1::20], strict=True):
-        g, gradient = polynomial(np.array([e, -a * form.leading / 2]))
-        assert abs(g) < 1e-10 * abs(e * gradient[0])
+        (g,), ((by_epsilon, _),) = polynomial(np.array([e, -a * form.leading / 2]))
+        assert abs(g) < 1e-10 * abs(e * by_epsilon)
 
 
 def test_an_own_rope() -> None:
@@ -149,13 +150,60 @@ def test_arguments(arguments: tuple, message: str) -> None:
         normal_form(beam(), AT, *arguments)
 
 
-def test_damped_ropes_and_the_string_are_refused() -> None:
-    damped = beam(damping=sympy.Symbol("zeta"))
-    with pytest.raises(InputError, match="without damping"):
-        normal_form(damped, {**AT, "zeta": "0.1"}, 1, 1, 3.2, 7)
+def test_the_string_is_refused() -> None:
     for omega in (3.1, 3.14, 3.1416):
         with pytest.raises(InputError, match="one amplitude does not suffice"):
             normal_form(string(), {}, 1, 1, omega, 7).folds()
+
+
+def _damped(zeta: str, omega: float, order: int = 7, subharmonic: int = 1) -> NormalForm:
+    rope = beam(damping=sympy.Symbol("zeta"))
+    return normal_form(rope, {**AT, "zeta": zeta}, 1, 1, omega, order, subharmonic)
+
+
+def test_a_complex_b_is_the_real_one_without_damping() -> None:
+    real, both = normal_form(beam(), AT, 1, 1, 3.2, 5), _damped("0", 3.2, 5)
+    assert both.is_complex
+    assert not real.is_complex
+    for row, matrix in zip(real.rows, both.rows, strict=True):
+        # On the real axis b and its conjugate are one.
+        np.testing.assert_allclose(matrix.sum(axis=1), row, rtol=1e-12, atol=1e-12 * abs(row).max())
+    assert both.folds()[0].epsilon == pytest.approx(real.folds()[0].epsilon, rel=1e-10)
+
+
+def test_a_phase_of_the_drive_moves_nothing_but_time() -> None:
+    turned = normal_form(beam(drive={1: (1, 0.7)}), AT, 1, 1, 3.2, 5)
+    assert turned.is_complex
+    known = normal_form(beam(), AT, 1, 1, 3.2, 5)
+    assert turned.folds()[0].epsilon == pytest.approx(known.folds()[0].epsilon, rel=1e-10)
+    epsilon, amplitude = turned.branch()
+    at = turned.amplitudes(5e-4)
+    assert len(at) == 2
+    below = epsilon < 5e-4
+    assert amplitude[below].min() < at[0] < at[1]
+    np.testing.assert_allclose(at[0], np.abs(known.amplitudes(5e-4)).min(), rtol=1e-9)
+
+
+def test_damping_closes_the_fold_in_a_cusp() -> None:
+    """Two folds below, where states turn back and turn again; none where damping is strong."""
+    folds = _damped("0.005", 3.2).folds()
+    assert len(folds) == 2
+    assert folds[0].epsilon > folds[1].epsilon
+    assert folds[0].amplitude < folds[1].amplitude
+    assert _damped("0.05", 3.2).folds() == ()
+
+
+def test_the_damped_tongue_has_a_least_drive() -> None:
+    """Free waves decay as e^{−ζτ}, so that the detuning Ω − 2Ω₁ becomes Ω − 2Ω₁ − 2iζ."""
+    zeta, resonance = 2e-4, 2 * free_frequencies(beam(), AT, 1).values[0]
+    for omega in (resonance, resonance + 2 * zeta, resonance - 2 * zeta):
+        undamped = normal_form(beam(), AT, 1, 1, resonance + 2 * zeta, 5, 2).edge()
+        damped = _damped("0.0002", omega, 5, 2).edge()
+        assert undamped is not None
+        assert damped is not None
+        expected = np.hypot(1, abs(omega - resonance) / (2 * zeta)) * undamped.epsilon
+        # The centre shifts by ε², one side of the tongue against the other.
+        assert damped.epsilon == pytest.approx(expected, rel=2e-3)
 
 
 def test_one_amplitude_suffices_nearer_and_nearer_as_beta_falls() -> None:

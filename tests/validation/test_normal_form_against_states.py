@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 
 from asymptotics.problems.presets import beam
 from asymptotics.resonances.normal_form import normal_form
@@ -17,6 +18,22 @@ def stated(omega: float) -> LinearRope:
     at = {"beta": 0.01, "Omega": omega}
     rope = beam()
     return in_numbers(rope, rope.values(at), complex(rope.at(at).rest or 0).real)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damping", [0.002, 0.01])
+def test_damped_states_end_at_the_fold(damping: float) -> None:
+    """b is complex there, and behind the fold there is another state, of twice the amplitude."""
+    at = {"beta": 0.01, "zeta": damping}
+    rope = beam(damping=sympy.Symbol("zeta"))
+    fold, back = normal_form(rope, at, 1, 1, 3.2, 7).folds()
+    full = {**at, "Omega": 3.2}
+    numbers = in_numbers(rope, rope.values(full), complex(rope.at(full).rest or 0).real)
+    assert back.epsilon < fold.epsilon
+    state = periodic_state(numbers, fold.epsilon - fold.error)
+    assert state.clearance() > 0
+    with pytest.raises(NoPeriodicStateError):
+        periodic_state(numbers, fold.epsilon + fold.error)
 
 
 @pytest.mark.slow
