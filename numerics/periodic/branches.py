@@ -517,8 +517,9 @@ def _finer(follower: _Follower, place: _Place) -> tuple[_Follower, _Place]:
     """The same place on half as many harmonics again."""
     curve = follower.curve
     coarse = curve.state(place.z)
+    # A branch may begin on more than MOST: a second look at a located point does.
     harmonics = min(3 * (coarse.modes.times // 2) // 2, MOST)
-    if harmonics == coarse.modes.times // 2:
+    if harmonics <= coarse.modes.times // 2:
         raise NoPeriodicStateError(
             f"the state at epsilon = {coarse.epsilon:.8g}, Omega = {coarse.modes.rope.omega:.8g} "
             f"is not resolved by {MOST} harmonics"

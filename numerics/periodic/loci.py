@@ -358,7 +358,7 @@ def _resolved(curve: _Locus, z: Array, way: Array, accuracy: float) -> tuple[_Lo
         times = curve.modes.times
         needed = resolved(state, accuracy) > 2 * (times // 2) // 3
         harmonics = min(3 * (times // 2) // 2, MOST) if needed else times // 2
-        if needed and harmonics == times // 2:
+        if needed and harmonics <= times // 2:
             raise NoPeriodicStateError(
                 f"the state at epsilon = {state.epsilon:.8g}, Omega = "
                 f"{state.modes.rope.omega:.8g} is not resolved by {MOST} harmonics"
