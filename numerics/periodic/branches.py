@@ -33,7 +33,14 @@ from numpy.typing import NDArray
 from numerics.errors import InputError
 from numerics.periodic.linear_rope import Array, LinearRope, NoPeriodicStateError
 from numerics.periodic.modes import Modes
-from numerics.periodic.states import ACCURACY, MOST, PeriodicState, periodic_state, resolved
+from numerics.periodic.states import (
+    ACCURACY,
+    MOST,
+    PeriodicState,
+    periodic_state,
+    resolved,
+    solve,
+)
 
 Indices = NDArray[Any]
 Ropes = Callable[[float], LinearRope]
@@ -409,7 +416,7 @@ def follow(
         A free parameter that there is none of; a step of zero; a start outside the limits.
     NoPeriodicStateError
         The branch is lost: no step of 2⁻¹⁰ of the first one keeps to it, or more than 192 harmonics
-        are needed.
+        are needed, or more than there are to tell whether the rope is in the ground.
 
     Examples
     --------
@@ -462,11 +469,33 @@ def follow(
         travelled += length
         state = follower.curve.state(ahead.z)
         if (state.clearance(*_LOOK) > 0) != clear:
+            _check_graze(state, clear)
             yield BranchPoint(state, "graze", travelled, ahead.tangent)
             return
         yield BranchPoint(state, None, travelled, ahead.tangent)
         place = ahead
         length = min(longest, length * _GROWN) if count <= 4 else length
+
+
+def _check_graze(state: PeriodicState, clear: bool) -> None:
+    """That half as many harmonics again say so, too.
+
+    A harmonic at the edge of what is resolved is small in ξ_c and may be large in ∂^m W there.
+
+    Raises
+    ------
+    NoPeriodicStateError
+        They do not.
+    """
+    coarse = state.modes
+    modes = Modes(coarse.rope, 3 * (coarse.times // 2) // 2 * 2 + 1, coarse.subharmonic)
+    finer = solve(modes, modes.start(state.contact(modes.tau), state.epsilon), state.epsilon)
+    if finer is None or (finer.clearance(*_LOOK) > 0) == clear:
+        raise NoPeriodicStateError(
+            f"whether the rope at epsilon = {state.epsilon:.8g}, Omega = "
+            f"{coarse.rope.omega:.8g} grazes the ground is not resolved by {coarse.times // 2} "
+            "harmonics"
+        )
 
 
 def _resolved(follower: _Follower, place: _Place, accuracy: float) -> tuple[_Follower, _Place]:

@@ -119,6 +119,11 @@ class PeriodicState:
         def quotient(ends: Array, at: Array, unknown: Array, epsilon: float) -> Array:
             x, t = (ends[:, None] * s).ravel(), np.repeat(at, places)
             lifted = modes.shape(unknown, epsilon, x, t).reshape(-1, places)
+            # Between its own times a state meets the contact conditions to its accuracy only, which
+            # (1 − s)^m would magnify: its own Taylor polynomial at the end is taken off.
+            for e in range(m):
+                left = modes.shape(unknown, epsilon, ends, at, e)
+                lifted -= (left * (-ends) ** e)[:, None] * (1 - s) ** e / math.factorial(e)
             last = modes.shape(unknown, epsilon, ends, at, m) * (-ends) ** m / math.factorial(m)
             return np.column_stack([lifted / (1 - s) ** m, last])
 

@@ -13,7 +13,7 @@ from numerics.periodic.branches import BranchPoint, doubled_state, embedded, fol
 from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError
 from numerics.periodic.modes import Modes
 from numerics.periodic.stability import multipliers
-from numerics.periodic.states import periodic_state
+from numerics.periodic.states import PeriodicState, periodic_state
 from tests.command import said
 from tests.numerics.test_states import rope
 
@@ -138,6 +138,20 @@ def test_a_lost_branch_says_where(monkeypatch: pytest.MonkeyPatch, most: int) ->
     start = periodic_state(string, 0.02)
     with pytest.raises(NoPeriodicStateError, match=rf"epsilon = 0\.0.* not resolved by {most}"):
         list(follow(lambda omega: string, start, "epsilon", 0.01, (0.0, 0.12)))
+
+
+def test_a_graze_of_few_harmonics_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if the lifted part came down at ε = .0123 on the harmonics of the start only."""
+    bent = rope(2.2)
+    start = periodic_state(bent, 0.01)
+    few = start.modes.times
+
+    def height(state: PeriodicState, *_: int) -> float:
+        return -1.0 if state.epsilon > 0.0123 and state.modes.times == few else 1.0
+
+    monkeypatch.setattr(PeriodicState, "clearance", height)
+    with pytest.raises(NoPeriodicStateError, match=r"grazes the ground is not resolved by \d+"):
+        list(follow(lambda omega: bent, start, "epsilon", 1e-3, (0.0, 0.015)))
 
 
 def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -280,3 +280,12 @@ def test_the_command_without_a_verdict_says_why(
     found = json.loads(out)
     assert (code, found["stable"]) == (0, "undecided")
     assert "do work" in found["reason"]
+
+
+def test_the_clearance_of_a_state_to_few_digits() -> None:
+    """Next to ξ_c, (1 − ξ/ξ_c)³ would magnify what the contact conditions lack."""
+    fine = periodic_state(rope(2.2, 0.01), 0.05)
+    coarse = periodic_state(rope(2.2, 0.01), 0.05, accuracy=1e-3)
+    assert coarse.modes.times < fine.modes.times
+    for places in (16, 60, 400):
+        assert coarse.clearance(places) == pytest.approx(fine.clearance(60), abs=0.02)
