@@ -18,7 +18,7 @@ import numpy as np
 
 from derivations.cross_check.ropes import by_frequency
 
-FORMAT = 3
+FORMAT = 4
 """Counts up whenever older points are no longer comparable."""
 
 ORDER = 9

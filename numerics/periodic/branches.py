@@ -469,7 +469,7 @@ def follow(
         travelled += length
         state = follower.curve.state(ahead.z)
         if (state.clearance(*_LOOK) > 0) != clear:
-            _check_graze(state, clear)
+            check_graze(state, clear)
             yield BranchPoint(state, "graze", travelled, ahead.tangent)
             return
         yield BranchPoint(state, None, travelled, ahead.tangent)
@@ -477,7 +477,7 @@ def follow(
         length = min(longest, length * _GROWN) if count <= 4 else length
 
 
-def _check_graze(state: PeriodicState, clear: bool) -> None:
+def check_graze(state: PeriodicState, clear: bool) -> None:
     """That half as many harmonics again say so, too.
 
     A harmonic at the edge of what is resolved is small in ξ_c and may be large in ∂^m W there.

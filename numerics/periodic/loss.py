@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from numerics.errors import InputError
-from numerics.periodic.branches import BranchPoint, Ropes, follow
+from numerics.periodic.branches import BranchPoint, Ropes, check_graze, follow
 from numerics.periodic.linear_rope import NoPeriodicStateError
 from numerics.periodic.modes import Modes
 from numerics.periodic.stability import TOLERANCE, multipliers, stability
@@ -269,12 +269,15 @@ class _Walk:
         return _bisected(unstable, self.judged, above)
 
     def _graze(self, point: BranchPoint) -> tuple[float, float]:
-        """Where the clearance ends."""
+        """Where the clearance ends, and that the state above is in the ground however resolved."""
 
         def below(epsilon: float) -> bool:
             return periodic_state(self.rope, epsilon, accuracy=ACCURACY).clearance() <= 0
 
-        return _bisected(below, 0.0 if self.last is None else self.last.epsilon, point.epsilon)
+        first = 0.0 if self.last is None else self.last.epsilon
+        low, high = _bisected(below, first, point.epsilon)
+        check_graze(periodic_state(self.rope, high, accuracy=ACCURACY), True)
+        return low, high
 
     def _twice(self, point: BranchPoint) -> tuple[float, float]:
         """A located point's ε, and the same on half as many harmonics again; in order."""
