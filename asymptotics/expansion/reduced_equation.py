@@ -68,11 +68,11 @@ class PolynomialRing(FloatRing):
 
     def rational(self, numerator: int, denominator: int = 1) -> Any:
         """A constant."""
-        return arb_poly([arb(fmpq(numerator, denominator))])
+        return self.constant(acb(fmpq(numerator, denominator)))
 
     def sum(self, terms: Iterable[Any]) -> Any:
         """Σ terms."""
-        return sum(terms, arb_poly([]))
+        return sum(terms, self.zero)
 
     def is_zero(self, element: Any) -> bool:
         """Exactly zero; a ball around zero may hold another number."""
@@ -94,14 +94,6 @@ class ComplexPolynomialRing(PolynomialRing):
     even = False
     zero: Any = acb_poly([])
     one: Any = acb_poly([1])
-
-    def rational(self, numerator: int, denominator: int = 1) -> Any:
-        """A constant."""
-        return acb_poly([acb(fmpq(numerator, denominator))])
-
-    def sum(self, terms: Iterable[Any]) -> Any:
-        """Σ terms."""
-        return sum(terms, acb_poly([]))
 
     def conjugate(self, element: Any) -> Any:
         """Each coefficient's conjugate: r is real."""

@@ -143,7 +143,7 @@ def edge_of(polynomial: Polynomial) -> list[tuple[float, complex]]:
 
 
 def roots_at(polynomial: Polynomial, epsilon: float) -> list[complex]:
-    """The b with G(ε, b) = 0 on the branch that is followed, in its order."""
+    """The complex b with G(ε, b, b̄) = 0 on the branch that is followed, in its order."""
     units, scaled, places = _followed(polynomial)
     target, found = epsilon / units[0], []
     for one, other in pairwise(places):
@@ -158,8 +158,7 @@ def roots_at(polynomial: Polynomial, epsilon: float) -> list[complex]:
             place[1:] -= step
             if np.abs(step).max() < 1e-13:
                 break
-        b = place[1:] * units[1]
-        found.append(b[0] if polynomial.real else complex(*b))
+        found.append(complex(*place[1:] * units[1]))
     return found
 
 
@@ -167,16 +166,15 @@ def _followed(polynomial: Polynomial) -> tuple[Array, Polynomial, list[Array]]:
     """Units, G in them, and the places along the branch in them."""
     epsilon, b = _units(polynomial)
     units = np.array([epsilon, *[b] * polynomial.unknowns])
+    if not math.isfinite(epsilon):
+        return units, polynomial, []
     scaled = polynomial.scaled(epsilon, b)
     place = np.zeros(len(units))
     if polynomial.is_forced:
         # Into ε > 0; where ε stands still, b > 0.
         tangent = _tangent(scaled, place, np.array([1.0, *[1e-9] * polynomial.unknowns]))
     else:
-        edge = edge_of(polynomial)
-        if not edge:
-            return units, scaled, []
-        place[0] = edge[0][0] / epsilon
+        place[0] = 1.0
         # b = 0 is a branch, too: the other one leaves along the kernel.
         kernel = np.linalg.svd(scaled(place)[1][:, 1:])[2][-1]
         kernel *= 1 if kernel[np.argmax(np.abs(kernel))] > 0 else -1
@@ -185,7 +183,7 @@ def _followed(polynomial: Polynomial) -> tuple[Array, Polynomial, list[Array]]:
 
 
 def _units(polynomial: Polynomial) -> tuple[float, float]:
-    """ε and b at which D b, the cubic and the first other term are alike."""
+    """ε and b at which D b, the cubic and the first other term are alike; ε = ∞ for no edge."""
     detuning = abs(polynomial.linear(0)[0])
     degree = polynomial.along + polynomial.back
     own = polynomial.along - polynomial.back == 1
@@ -197,7 +195,7 @@ def _units(polynomial: Polynomial) -> tuple[float, float]:
         power, drive = int(polynomial.across[row]), abs(polynomial.size[row])
         return float((detuning * b / drive) ** (1 / power)), b
     edge = edge_of(polynomial)
-    return (edge[0][0] if edge else 1.0), b
+    return (edge[0][0] if edge else math.inf), b
 
 
 def _traced(scaled: Polynomial, place: Array, tangent: Array) -> list[Array]:

@@ -357,63 +357,51 @@ def _rows(
             try:
                 made = resonant.at(rate)
                 leading = made.static.derivative(rope.contact_order).real
-                if made.even:
-                    found = reduced(resonant, rate, q, order)
-                    rows = [_in_doubles(row, each=True) for row in found]
-                else:
-                    rows = [
-                        None if any(x is None for x in row) else np.array(row)
-                        for row in _complex_rows(resonant, rate, q, order)
-                    ]
+                rows = (_real_rows if made.even else _complex_rows)(resonant, rate, q, order)
             except PrecisionError:
                 continue
-            if all(row is not None for row in rows):
-                return tuple(row for row in rows if row is not None), float(leading.mid())
+            return rows, float(leading.mid())
     raise InputError(
         f"the normal form at Omega = {omega!r} is lost in {_BITS[-1]} bits: another resonance is "
         "too close"
     )
 
 
-def _complex_rows(
-    resonant: Resonant, rate: Fraction, q: int, order: int
-) -> list[list[Array | None]]:
-    """g_{n−k,l,k−l}: row n, k, l = 0 … n with zeros for l > k; None where digits are missing."""
+def _real_rows(resonant: Resonant, rate: Fraction, q: int, order: int) -> tuple[Array, ...]:
+    """Row n: g_{n−k,k} over k = 0 … n, each narrow against itself."""
+    found = reduced(resonant, rate, q, order)
+    return tuple(np.array([_in_doubles([acb(g)])[0].real for g in row]) for row in found)
+
+
+def _complex_rows(resonant: Resonant, rate: Fraction, q: int, order: int) -> tuple[Array, ...]:
+    """Row n: g_{n−k,l,k−l} over k, l = 0 … n, zeros for l > k."""
     phases = order + 1
     # e^{i(l−m)φ} with φ = πp/(N + 1) is e^{−ikφ} e^{2ilφ}: a transform of N + 1 points in l.
     turns = [acb(fmpq(p, phases)).exp_pi_i() for p in range(phases)]
     sampled = [reduced(resonant, rate, q, order, turn) for turn in turns]
     rows = []
     for n in range(1, order + 1):
-        row = []
+        row = np.zeros((n + 1, n + 1), dtype=complex)
         for k in range(n + 1):
             values = [sampled[p][n - 1][k] * turns[p] ** k for p in range(phases)]
             parted = [
                 sum((v * turns[p] ** (-2 * power) for p, v in enumerate(values)), acb(0)) / phases
                 for power in range(k + 1)
             ]
-            found = _in_doubles(parted, each=False)
-            row.append(None if found is None else np.append(found, np.zeros(n - k)))
+            row[k, : k + 1] = _in_doubles(parted)
         rows.append(row)
-    return rows
+    return tuple(rows)
 
 
-def _in_doubles(balls: Sequence[Any], each: bool) -> Array | None:
-    """Centres, when the balls are narrow: each against itself, or all against the largest.
+def _in_doubles(balls: Sequence[acb]) -> Array:
+    """Centres of balls that are narrow against the largest; one around zero is a zero.
 
-    A ball around zero, against the largest, is a zero.
+    Raises
+    ------
+    PrecisionError
+        They are not narrow.
     """
-    sizes = [float(abs(x).upper()) for x in balls]
-    floor = 2.0**-200
-    bounds = [max(size, floor) for size in (sizes if each else [max(sizes)] * len(sizes))]
-    if not all(_width(x) <= 2.0**-52 * bound for x, bound in zip(balls, bounds, strict=True)):
-        return None
-    if each:
-        return np.array([float(x.mid()) for x in balls])
+    bound = 2.0**-52 * max(2.0**-200, *(float(abs(x).upper()) for x in balls))
+    if not all(x.real.rad() <= bound and x.imag.rad() <= bound for x in balls):
+        raise PrecisionError("coefficients of a normal form", balls)
     return np.array([0j if x.contains(0) else complex(x.mid()) for x in balls])
-
-
-def _width(ball: Any) -> float:
-    if isinstance(ball, acb):
-        return max(float(ball.real.rad()), float(ball.imag.rad()))
-    return float(ball.rad())

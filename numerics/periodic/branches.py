@@ -38,8 +38,8 @@ from numerics.periodic.states import (
     MOST,
     PeriodicState,
     periodic_state,
+    refined,
     resolved,
-    solve,
 )
 
 Indices = NDArray[Any]
@@ -487,14 +487,12 @@ def check_graze(state: PeriodicState, clear: bool) -> None:
     NoPeriodicStateError
         They do not.
     """
-    coarse = state.modes
-    modes = Modes(coarse.rope, 3 * (coarse.times // 2) // 2 * 2 + 1, coarse.subharmonic)
-    finer = solve(modes, modes.start(state.contact(modes.tau), state.epsilon), state.epsilon)
+    finer = refined(state)
     if finer is None or (finer.clearance(*_LOOK) > 0) == clear:
         raise NoPeriodicStateError(
             f"whether the rope at epsilon = {state.epsilon:.8g}, Omega = "
-            f"{coarse.rope.omega:.8g} grazes the ground is not resolved by {coarse.times // 2} "
-            "harmonics"
+            f"{state.modes.rope.omega:.8g} grazes the ground is not resolved by "
+            f"{state.modes.times // 2} harmonics"
         )
 
 

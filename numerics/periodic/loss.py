@@ -27,9 +27,8 @@ from enum import Enum
 from numerics.errors import InputError
 from numerics.periodic.branches import BranchPoint, Ropes, check_graze, follow
 from numerics.periodic.linear_rope import NoPeriodicStateError
-from numerics.periodic.modes import Modes
 from numerics.periodic.stability import TOLERANCE, multipliers, stability
-from numerics.periodic.states import PeriodicState, decay, periodic_state, resolved, solve
+from numerics.periodic.states import PeriodicState, decay, periodic_state, refined, resolved
 
 _FIRST, _LEAST = 1e-3, 1e-9
 """The first ε, part of the largest; and below which no state is sought."""
@@ -285,9 +284,7 @@ class _Walk:
         last = self.last
         if last is None:
             return here, here
-        coarse = last.state.modes
-        modes = Modes(coarse.rope, 3 * (coarse.times // 2) // 2 * 2 + 1)
-        found = solve(modes, modes.start(last.state.contact(modes.tau), last.epsilon), last.epsilon)
+        found = refined(last.state)
         if found is None:
             return here, here
         step = max((here - last.epsilon) / 4, 1e-6 * here)

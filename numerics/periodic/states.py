@@ -163,6 +163,13 @@ def _next_to(modes: Modes, contact: Array, epsilon: float) -> PeriodicState | No
         return None
 
 
+def refined(state: PeriodicState) -> PeriodicState | None:
+    """The same state on half as many harmonics again, if Newton's iteration finds it."""
+    coarse = state.modes
+    modes = Modes(coarse.rope, 3 * (coarse.times // 2) // 2 * 2 + 1, coarse.subharmonic)
+    return _next_to(modes, state.contact(modes.tau), state.epsilon)
+
+
 def periodic_contact(rope: LinearRope, epsilon: float, times: int) -> Array:
     """ξ_c of the periodic state at ``times`` equal times of a period, from τ = 0.
 

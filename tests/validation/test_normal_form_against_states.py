@@ -6,7 +6,7 @@ import sympy
 
 from asymptotics.problems.presets import beam
 from asymptotics.resonances.normal_form import normal_form
-from derivations.cross_check.ropes import in_numbers
+from derivations.cross_check.ropes import by_frequency
 from numerics.periodic.branches import doubled_state
 from numerics.periodic.linear_rope import LinearRope, NoPeriodicStateError
 from numerics.periodic.stability import multipliers
@@ -15,9 +15,7 @@ from numerics.periodic.states import periodic_state
 
 def stated(omega: float) -> LinearRope:
     """The paper's rope at β = 0.01, stated for the numerics."""
-    at = {"beta": 0.01, "Omega": omega}
-    rope = beam()
-    return in_numbers(rope, rope.values(at), complex(rope.at(at).rest or 0).real)
+    return by_frequency(beam(), {"beta": 0.01})(omega)
 
 
 @pytest.mark.slow
@@ -27,8 +25,7 @@ def test_damped_states_end_at_the_fold(damping: float) -> None:
     at = {"beta": 0.01, "zeta": damping}
     rope = beam(damping=sympy.Symbol("zeta"))
     fold, back = normal_form(rope, at, 1, 1, 3.2, 7).folds()
-    full = {**at, "Omega": 3.2}
-    numbers = in_numbers(rope, rope.values(full), complex(rope.at(full).rest or 0).real)
+    numbers = by_frequency(rope, at)(3.2)
     assert back.epsilon < fold.epsilon
     state = periodic_state(numbers, fold.epsilon - fold.error)
     assert state.clearance() > 0
